@@ -1,0 +1,1 @@
+"""tractor-twin: a physics-simulated digital twin of a tractor and plough."""

@@ -1,0 +1,37 @@
+"""The errors a user can cause; each message names the value, how much it was, and what would do."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class TwinError(Exception):
+    """Base of every error a user can cause; the command line prints it as one line."""
+
+
+class OutOfRange(TwinError, ValueError):
+    """A value outside the range where it means something."""
+
+    def __init__(self, name: str, value: object, allowed: str) -> None:
+        super().__init__(f"{name} = {value} is outside {allowed}")
+
+
+class UnknownName(TwinError, LookupError):
+    """A name nothing is called by; says what is."""
+
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        known = sorted(known)
+        near = difflib.get_close_matches(name, known, n=1)
+        hint = f"did you mean '{near[0]}'?" if near else f"there are: {', '.join(known) or 'none'}"
+        super().__init__(f"no {kind} is called '{name}'; {hint}")
+
+
+class BadInput(TwinError, ValueError):
+    """A file, a stream or an option that cannot be used as it is."""
+
+
+def check_range(name: str, value: float, low: float, high: float) -> None:
+    """Raise OutOfRange unless low <= value <= high (NaN is outside)."""
+    if not low <= value <= high:
+        raise OutOfRange(name, f"{value:g}", f"[{low:g}, {high:g}]")

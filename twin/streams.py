@@ -1,0 +1,241 @@
+"""The contract between sensors and estimators: named columns of samples, and a set-up. numpy only.
+
+Units: SI and radians. Frames: world is east, north, up; body is x forward, y left, z up with its
+origin at the rear-axle centre; angles are counter-clockwise from east. Times are int64 nanoseconds:
+`epoch_ns` is the instant a sample describes, `arrival_ns` when it reaches the estimator.
+A sensor, or a column of it, may be absent; a NaN is a value that was not measured.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.errors import BadInput
+
+Table = dict[str, NDArray[Any]]
+"""One sensor's samples: column name -> array of shape (n,), in order of arrival."""
+
+WHEELS = ("fl", "fr", "rl", "rr")
+"""Front left, front right, rear left, rear right."""
+
+STAMPS = ("epoch_ns", "arrival_ns")
+
+COLUMNS: dict[str, tuple[str, ...]] = {
+    "gnss": (
+        "east_m", "north_m", "up_m", "v_east_mps", "v_north_mps", "v_up_mps", "heading_rad",
+        "quality", "satellites_main", "satellites_aux",
+        "position_sd_m", "velocity_sd_mps", "heading_sd_rad",
+    ),
+    "imu": (
+        "gyro_x_radps", "gyro_y_radps", "gyro_z_radps",
+        "accel_x_mps2", "accel_y_mps2", "accel_z_mps2",
+    ),
+    "wheels": (
+        *(f"ticks_{w}" for w in WHEELS),
+        *(f"speed_{w}_mps" for w in WHEELS),
+        "speed_sd_mps",
+        *(f"accel_{w}_mps2" for w in WHEELS),
+    ),
+    "depth": ("laser_m", "inclination_rad"),
+    "machine": (
+        "steer_rad", "hitch_m", "draft_pin_n", "axle_torque_nm",
+        "engine_radps", "engine_load", "fuel_lph",
+    ),
+    "camera": (),
+}  # fmt: skip
+"""Columns each sensor may have beside its stamps. `quality` is NMEA GGA's (4 fixed, 5 float, 1 single,
+0 none); `ticks_*` are cumulative int64; `speed_*_mps` are the theoretical speed w R of a source that
+gives no ticks (a single wheel-based vehicle speed stands in both driven wheels). The order of the
+sensors is the order in which samples that arrive at the same instant are handed on."""
+
+ESTIMATES = (
+    "epoch_ns", "speed_mps", "wheel_speed_mps", "slip", "slip_sd", "slip_rl", "slip_rr",
+    "sideslip_rad", "sideslip_sd_rad", "v_y_mps", "sideslip_m", "sideslip_sd_m",
+    "sideslip_rear_rad", "sideslip_rear_m", "flags",
+)  # fmt: skip
+"""Columns of an estimate. Speeds are at the rear-axle centre; `sideslip_*` without `rear` is at the
+tractor's centre of gravity. An estimator gives `epoch_ns` and the columns it knows."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GnssSetup:
+    """What the data sheet and the tape measure say of the GNSS receiver."""
+
+    rate_hz: float
+    lever_arm_m: tuple[float, float, float]
+    """Main antenna, body axes, from the rear-axle centre."""
+    position_sd_m: float
+    velocity_sd_mps: float
+    heading_sd_rad: float
+    heading_mount_rad: float = 0.0
+    """Angle from body x to the antenna baseline."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImuSetup:
+    """What the data sheet and the tape measure say of the IMU; its axes are body axes."""
+
+    rate_hz: float
+    lever_arm_m: tuple[float, float, float]
+    gyro_noise_radps_rthz: float
+    accel_noise_mps2_rthz: float
+    gyro_bias_sd_radps: float
+    accel_bias_sd_mps2: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class WheelsSetup:
+    """Encoders: counts per turn after decoding, and the nominal rolling radius of each wheel."""
+
+    rate_hz: float
+    radius_m: Mapping[str, float]
+    """Nominal rolling radius by wheel; what the manual says, not what is true today."""
+    counts_per_turn: int | None = None
+    """None for a source that gives speeds."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DepthSetup:
+    """Laser range finder on the plough beam; depth = zero_m - laser_m cos(inclination)."""
+
+    rate_hz: float
+    zero_m: float
+    laser_sd_m: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setup:
+    """All an estimator is told beside the streams. Nominal values only, never a true one."""
+
+    machine: str
+    wheelbase_m: float
+    track_front_m: float
+    track_rear_m: float
+    cg_x_m: float
+    """Centre of gravity of the machine without implement, ahead of the rear axle."""
+    driven: tuple[str, ...] = ("rl", "rr")
+    origin: tuple[float, float, float] | None = None
+    """Geodetic origin of east, north, up: latitude [deg], longitude [deg], height [m]."""
+    wheels: WheelsSetup | None = None
+    gnss: GnssSetup | None = None
+    imu: ImuSetup | None = None
+    depth: DepthSetup | None = None
+
+    def to_json(self) -> str:
+        """The set-up as JSON text."""
+        return json.dumps(dataclasses.asdict(self), indent=2)
+
+    @classmethod
+    def from_json(cls, text: str) -> Setup:
+        """The set-up from JSON text. Raises BadInput if it is not one."""
+        try:
+            raw = json.loads(text)
+            blocks = {"wheels": WheelsSetup, "gnss": GnssSetup, "imu": ImuSetup, "depth": DepthSetup}
+            for name, block in blocks.items():
+                if raw.get(name) is not None:
+                    raw[name] = block(**_tuples(raw[name]))
+            return cls(**_tuples(raw))
+        except (TypeError, ValueError, AttributeError) as error:
+            raise BadInput(f"setup.json is not a set-up: {error}") from None
+
+
+def _tuples(block: dict[str, Any]) -> dict[str, Any]:
+    return {k: tuple(v) if isinstance(v, list) else v for k, v in block.items()}
+
+
+@dataclass(frozen=True)
+class Streams:
+    """The samples of all sensors of a run, or of a part of it."""
+
+    tables: Mapping[str, Table] = field(default_factory=dict)
+
+    def __contains__(self, sensor: object) -> bool:
+        return sensor in self.tables
+
+    def __getitem__(self, sensor: str) -> Table:
+        return self.tables[sensor]
+
+    def __len__(self) -> int:
+        """Number of samples of all sensors."""
+        return sum(len(t["epoch_ns"]) for t in self.tables.values())
+
+    def column(self, sensor: str, name: str) -> NDArray[Any]:
+        """A column, or NaN where the sensor has none. Shape (n,), (0,) without the sensor."""
+        table = self.tables.get(sensor)
+        if table is None:
+            return np.empty(0)
+        return table.get(name, np.full(len(table["epoch_ns"]), np.nan))
+
+    def merge_order(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Order in which an estimator sees the samples: by arrival, then by sensor, then by row.
+
+        Returns:
+            sensor: index into COLUMNS of each sample, shape (n,).
+            row: its row in that sensor's table, shape (n,).
+        """
+        present = [(i, s) for i, s in enumerate(COLUMNS) if s in self.tables]
+        counts = [len(self.tables[s]["arrival_ns"]) for _, s in present]
+        if not present:
+            return np.empty(0, np.int64), np.empty(0, np.int64)
+        arrival = np.concatenate([self.tables[s]["arrival_ns"] for _, s in present])
+        sensor = np.repeat([i for i, _ in present], counts)
+        row = np.concatenate([np.arange(n) for n in counts])
+        order = np.lexsort((row, sensor, arrival))
+        return sensor[order], row[order]
+
+    def samples(self, start: int, stop: int) -> Streams:
+        """The samples from number `start` up to `stop` in merge order."""
+        sensor, row = self.merge_order()
+        chosen: dict[str, Table] = {}
+        for i, name in enumerate(COLUMNS):
+            if name in self.tables:
+                rows = row[start:stop][sensor[start:stop] == i]
+                chosen[name] = {k: v[rows] for k, v in self.tables[name].items()}
+        return Streams(chosen)
+
+    def chunks(self, size: int) -> Iterator[Streams]:
+        """The samples in merge order, `size` at a time."""
+        for start in range(0, len(self), size):
+            yield self.samples(start, start + size)
+
+
+def concatenate(parts: Iterable[Streams]) -> Streams:
+    """One stream from consecutive parts."""
+    tables: dict[str, list[Table]] = {}
+    for part in parts:
+        for name, table in part.tables.items():
+            tables.setdefault(name, []).append(table)
+    return Streams(
+        {
+            name: {c: np.concatenate([t[c] for t in pieces]) for c in pieces[0]}
+            for name, pieces in tables.items()
+        }
+    )
+
+
+def check(streams: Streams) -> None:
+    """Raise BadInput unless the tables obey the contract: known names, equal lengths, ordered arrivals."""
+    for name, table in streams.tables.items():
+        if name not in COLUMNS:
+            raise BadInput(f"stream '{name}' is not one of {', '.join(COLUMNS)}")
+        for column in table:
+            if column not in (*STAMPS, *COLUMNS[name]):
+                raise BadInput(f"stream '{name}' has an unknown column '{column}'")
+        for stamp in STAMPS:
+            if stamp not in table:
+                raise BadInput(f"stream '{name}' has no column '{stamp}'")
+            if table[stamp].dtype != np.int64:
+                raise BadInput(f"{name}.{stamp} is {table[stamp].dtype}, not int64 nanoseconds")
+        lengths = {len(v) for v in table.values()}
+        if len(lengths) > 1:
+            raise BadInput(f"stream '{name}' has columns of different lengths {sorted(lengths)}")
+        if np.any(np.diff(table["arrival_ns"]) < 0):
+            row = int(np.argmax(np.diff(table["arrival_ns"]) < 0)) + 1
+            raise BadInput(f"stream '{name}' arrives out of order at row {row}")
