@@ -1,1 +1,30 @@
-"""placeholder"""
+"""Estimators of wheel slip and sideslip: streams in, estimates out, no truth.
+
+An estimator is an object (an instance, a class that needs no argument, or a module) with
+
+    init(setup) -> state
+    run(state, chunk) -> (state, estimates)
+
+`setup` is a `twin.streams.Setup`, `chunk` a `twin.streams.Streams` with the samples that arrived
+since the last call, and `estimates` a table with `epoch_ns` and whichever of
+`twin.streams.ESTIMATES` the estimator knows, NaN where it does not know. A state is a plain value
+(a frozen dataclass of numbers and arrays) that can be pickled and kept; `run` returns a new one and
+never changes the one it was given. Samples are taken in `Streams.merge_order`. Every estimator is
+
+    causal            what arrives later changes nothing already said
+    chunk-invariant   how the samples were cut into chunks changes no bit
+    honest            its standard deviations agree with its errors where its model holds
+
+A missing sensor, a missing column and a NaN are measurements that were not made, never an error.
+"""
+
+REGISTRY: dict[str, str] = {
+    "ratio": "estimators.ratio:RATIO",
+    "ratio-front": "estimators.ratio:RATIO_FRONT",
+    "four-state": "estimators.four_state:FourState",
+    "four-state-printed": "estimators.four_state_printed:FourStatePrinted",
+    "kf-z2": "estimators.parallel_kf:KF_Z2",
+    "pkf": "estimators.parallel_kf:PKF",
+    "kf-tuned": "estimators.parallel_kf:KF_TUNED",
+}
+"""Name -> "module:Attribute"; nothing is imported until the name is asked for."""

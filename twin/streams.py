@@ -137,7 +137,12 @@ class Setup:
         """The set-up from JSON text. Raises BadInput if it is not one."""
         try:
             raw = json.loads(text)
-            blocks = {"wheels": WheelsSetup, "gnss": GnssSetup, "imu": ImuSetup, "depth": DepthSetup}
+            blocks = {
+                "wheels": WheelsSetup,
+                "gnss": GnssSetup,
+                "imu": ImuSetup,
+                "depth": DepthSetup,
+            }
             for name, block in blocks.items():
                 if raw.get(name) is not None:
                     raw[name] = block(**_tuples(raw[name]))

@@ -1,0 +1,118 @@
+"""What all filters here have in common: carry the state through a chunk, write the estimates."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators import signals
+from estimators.compiled import compiled
+from estimators.kalman import Record, slip_and_sd
+from estimators.wheel_speed import driven_mean, mean_variance
+from twin.streams import ESTIMATES, Setup, Streams, Table
+
+ROW = np.dtype(
+    [(n, "i8" if n in ("epoch_ns", "flags") else "f8") for n in ESTIMATES],
+    align=True,
+)
+"""One estimate as compiled code writes it."""
+
+SLOW_MPS = 0.05
+"""Below this speed an angle of slip means nothing and is NaN."""
+
+Loop = Callable[[Any, Any, Any, Any, Any], int]
+"""loop(signals, nominal, tuning, memory, rows) -> how many rows it wrote."""
+
+
+@dataclass(frozen=True)
+class State:
+    """State of a filter between chunks; a plain value."""
+
+    reader: signals.Reader
+    tuning: NDArray[Any]
+    """One record: the filter's constants."""
+    memory: NDArray[Any]
+    """One record: what the filter carries."""
+
+
+def begin(setup: Setup, tuning: NDArray[Any], memory: NDArray[Any]) -> State:
+    """The state before the first sample."""
+    return State(signals.start(setup), tuning, memory)
+
+
+def advance(loop: Loop, state: State, chunk: Streams) -> tuple[State, Table]:
+    """Run a compiled loop over a chunk: the state after it, and the table of its estimates."""
+    reader, samples = signals.read(state.reader, chunk)
+    memory = state.memory.copy()
+    rows = np.zeros(len(samples), ROW)
+    for name in ESTIMATES:
+        if ROW[name].kind == "f":
+            rows[name] = np.nan
+    count = loop(samples, reader.nominal[0], state.tuning[0], memory[0], rows) if len(rows) else 0
+    return (
+        State(reader, state.tuning, memory),
+        {name: np.ascontiguousarray(rows[name][:count]) for name in ESTIMATES},
+    )
+
+
+@compiled
+def write(
+    row: Record,
+    signal: Record,
+    nominal: Record,
+    ground: float,
+    ground_var: float,
+    wheels: NDArray[np.float64],
+    wheel_sd: NDArray[np.float64],
+) -> None:
+    """Write an estimate from a ground speed and one theoretical speed per wheel.
+
+    The wheels' errors are taken as independent of each other, unless all are one number, and of the
+    ground speed's.
+
+    Args:
+        row: record of ROW to fill; `epoch_ns` and `flags` are the caller's.
+        signal: record of `layout.SIGNALS`.
+        nominal: record of `layout.NOMINAL`.
+        ground: speed of the rear-axle centre [m/s].
+        ground_var: its variance [m2/s2].
+        wheels: theoretical speeds [m/s], (4,), NaN where unknown.
+        wheel_sd: their standard deviations [m/s], (4,).
+    """
+    mean_var = mean_variance(wheel_sd, nominal, 1.0, signal.one_driven_speed)
+    write_axle(row, signal, nominal, ground, ground_var, driven_mean(wheels, nominal), mean_var)
+    across = signal.yaw_rate_radps * 0.5 * nominal.track_rear_m
+    row.slip_rl = slip_and_sd(wheels[2], ground - across, 0.0, 0.0, 0.0)[0]
+    row.slip_rr = slip_and_sd(wheels[3], ground + across, 0.0, 0.0, 0.0)[0]
+
+
+@compiled
+def write_axle(
+    row: Record,
+    signal: Record,
+    nominal: Record,
+    ground: float,
+    ground_var: float,
+    wheel: float,
+    wheel_var: float,
+) -> None:
+    """Write an estimate from a ground speed and the driven wheels' mean speed.
+
+    sideslip at the rear = atan2(v_y, v_x); at the centre of gravity v_y + x_cg r takes v_y's place.
+    sd of the angle = sd(v_y) / |v_x|. The sideslip amounts are those at the last GNSS sample.
+    """
+    row.speed_mps, row.wheel_speed_mps = ground, wheel
+    row.slip, row.slip_sd = slip_and_sd(wheel, ground, wheel_var, ground_var, 0.0)
+    v_y = signal.v_y_held_mps
+    row.v_y_mps = v_y
+    row.sideslip_m, row.sideslip_rear_m = signal.sideslip_m, signal.sideslip_rear_m
+    row.sideslip_sd_m = signal.sideslip_sd_m
+    if abs(ground) >= SLOW_MPS:
+        row.sideslip_rear_rad = math.atan2(v_y, ground)
+        row.sideslip_rad = math.atan2(v_y + nominal.cg_x_m * signal.yaw_rate_radps, ground)
+        row.sideslip_sd_rad = signal.v_y_held_sd_mps / abs(ground)

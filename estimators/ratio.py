@@ -1,0 +1,75 @@
+"""Slip as the plain ratio of the newest speeds: what an unfiltered slip meter shows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from estimators.compiled import compiled
+from estimators.estimate import State, advance, begin, write
+from estimators.kalman import Record
+from estimators.layout import GNSS, NO_GROUND_SPEED, OUT_OF_ORDER, STALE_S, WHEELS
+from estimators.wheel_speed import mean_variance, towed_mean
+from twin.streams import Setup, Streams, Table
+
+TUNING = np.dtype([("towed", "i8")])
+MEMORY = np.dtype([("flags", "i8"), ("v_ns", "i8"), ("v_mps", "f8"), ("v_var", "f8")], align=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ratio:
+    """s = (w R - v) / max(|w R|, |v|, 0.05 m/s) at every sample of the wheels.
+
+    w R is the mean of the driven wheels with the nominal radius. v is the last GNSS velocity along
+    the body, brought to the rear axle, or the mean speed of the towed wheels (steered straight and
+    free of slip). slip_sd is that of the data sheets' noise: it knows nothing of a wrong radius, of
+    the velocity's age, or of the tick intervals' own.
+    """
+
+    towed: bool = False
+    """Take the ground speed from the wheels that are not driven."""
+
+    def init(self, setup: Setup) -> State:
+        """The state before the first sample."""
+        memory = np.array([(0, -1, np.nan, np.nan)], MEMORY)
+        return begin(setup, np.array([(self.towed,)], TUNING), memory)
+
+    def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
+        """The state after the chunk, and an estimate for each of its wheel samples."""
+        return advance(_loop, state, chunk)
+
+
+RATIO = Ratio()
+RATIO_FRONT = Ratio(towed=True)
+
+
+@compiled
+def _loop(signals: Any, nominal: Record, tuning: Record, memory: Record, rows: Any) -> int:
+    count = 0
+    for i in range(len(signals)):
+        signal = signals[i]
+        memory.flags |= signal.flags
+        if signal.flags & OUT_OF_ORDER:
+            continue
+        if signal.sensor == GNSS and not tuning.towed and np.isfinite(signal.v_x_mps):
+            memory.v_ns, memory.v_mps = signal.epoch_ns, signal.v_x_mps
+            memory.v_var = signal.v_sd_mps**2
+        if signal.sensor != WHEELS:
+            continue
+        if tuning.towed:
+            memory.v_ns, memory.v_mps = signal.epoch_ns, towed_mean(signal.wheel_mps, nominal)
+            memory.v_var = mean_variance(signal.wheel_sd_mps, nominal, 0.0, signal.one_towed_speed)
+        if (signal.epoch_ns - memory.v_ns) * 1e-9 > STALE_S:
+            memory.v_mps = np.nan
+        if np.isnan(memory.v_mps):
+            memory.flags |= NO_GROUND_SPEED
+        row = rows[count]
+        write(
+            row, signal, nominal, memory.v_mps, memory.v_var, signal.wheel_mps, signal.wheel_sd_mps
+        )
+        row.epoch_ns, row.flags = signal.epoch_ns, memory.flags
+        memory.flags = 0
+        count += 1
+    return count

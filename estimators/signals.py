@@ -1,0 +1,127 @@
+"""From streams to signals: the samples of a chunk in order of arrival, each turned into speeds.
+
+What every filter here needs and none should do twice: wheel speeds from ticks, the velocity of the
+rear-axle centre along and across the body from the antenna's, the body acceleration without the
+part of gravity that is known. Everything is carried from chunk to chunk sample by sample, so how
+the samples are cut changes no bit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators import antenna, inertial, wheel_speed
+from estimators.compiled import compiled
+from estimators.kalman import Record
+from estimators.layout import (
+    GNSS,
+    GNSS_COLUMNS,
+    IMU,
+    IMU_COLUMNS,
+    MEMORY,
+    NOMINAL,
+    OUT_OF_ORDER,
+    SIGNALS,
+    WHEEL_COLUMNS,
+    WHEELS,
+    blank,
+    nominal,
+)
+from twin.streams import COLUMNS, Setup, Streams
+
+Records = NDArray[Any]
+"""A structured array."""
+
+
+@dataclass(frozen=True)
+class Reader:
+    """What the signals so far leave behind; a plain value."""
+
+    nominal: Records
+    """One record of `layout.NOMINAL`: the set-up as numbers."""
+    memory: Records
+    """One record of `layout.MEMORY`."""
+
+
+def start(setup: Setup) -> Reader:
+    """A reader that has seen nothing."""
+    memory = blank(MEMORY, 1)
+    return Reader(np.array([nominal(setup)], NOMINAL), memory)
+
+
+def read(reader: Reader, chunk: Streams) -> tuple[Reader, Records]:
+    """The signals of a chunk.
+
+    Returns:
+        The reader after the chunk, and one record of `layout.SIGNALS` per sample of GNSS, IMU and
+        wheels, in order of arrival.
+    """
+    used = Streams({s: chunk[s] for s in ("gnss", "imu", "wheels") if s in chunk})
+    sensor, row = used.merge_order()
+    memory, signals = reader.memory.copy(), blank(SIGNALS, len(sensor))
+    if len(sensor):
+        gnss, imu, wheels = (
+            _matrix(used, "gnss", GNSS_COLUMNS),
+            _matrix(used, "imu", IMU_COLUMNS),
+            _matrix(used, "wheels", WHEEL_COLUMNS),
+        )
+        signals["sensor"], signals["epoch_ns"] = sensor, _epochs(used, sensor, row)
+        _read(row, gnss, imu, wheels, reader.nominal[0], memory[0], signals)
+    return Reader(reader.nominal, memory), signals
+
+
+def _epochs(chunk: Streams, sensor: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.int64]:
+    epochs = np.zeros(len(sensor), np.int64)
+    for index, name in enumerate(COLUMNS):
+        if name in chunk:
+            chosen = sensor == index
+            epochs[chosen] = chunk[name]["epoch_ns"][row[chosen]]
+    return epochs
+
+
+def _matrix(chunk: Streams, sensor: str, columns: tuple[str, ...]) -> NDArray[np.float64]:
+    """The named columns side by side, NaN where there is none. Shape (samples, columns)."""
+    table = chunk.tables.get(sensor, {})
+    matrix = np.full((len(table.get("epoch_ns", ())), len(columns)), np.nan)
+    for index, name in enumerate(columns):
+        if name in table:
+            matrix[:, index] = table[name]
+    return matrix
+
+
+@compiled
+def _read(
+    rows: NDArray[np.int64],
+    gnss: NDArray[np.float64],
+    imu: NDArray[np.float64],
+    wheels: NDArray[np.float64],
+    nominal: Record,
+    memory: Record,
+    signals: Records,
+) -> None:
+    """Fill one record of signals per sample; a sample older than its sensor's last is flagged."""
+    for i in range(len(signals)):
+        signal = signals[i]
+        sensor, epoch_ns = signal.sensor, signal.epoch_ns
+        if epoch_ns <= memory.epoch_ns[sensor]:
+            signal.flags = OUT_OF_ORDER
+            continue
+        first = memory.epoch_ns[sensor] < 0
+        dt = 0.0 if first else (epoch_ns - memory.epoch_ns[sensor]) * 1e-9
+        memory.epoch_ns[sensor] = epoch_ns
+        if sensor == GNSS:
+            antenna.read(gnss[rows[i]], epoch_ns, dt, nominal, memory, signal)
+        elif sensor == IMU:
+            inertial.read(imu[rows[i]], epoch_ns, dt, nominal, memory, signal)
+        elif sensor == WHEELS:
+            wheel_speed.read(wheels[rows[i]], epoch_ns, nominal, memory, signal)
+        signal.yaw_rate_radps = memory.yaw_rate_radps
+        signal.v_y_held_mps = memory.v_y_mps
+        signal.v_y_held_sd_mps = memory.v_y_sd_mps
+        signal.sideslip_m = memory.sideslip_m
+        signal.sideslip_rear_m = memory.sideslip_rear_m
+        signal.sideslip_sd_m = np.sqrt(memory.sideslip_var_m2)

@@ -1,0 +1,31 @@
+"""Ploughing at four depths: the field experiment of Fu et al. (INMATEH 77-13), one parameter set."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from twin.scenario import Plough, Scenario
+
+CM_25 = Scenario(
+    name="plough-25cm",
+    about="200 m at 25 cm in firm soil; published mean speed 5.44 km/h",
+    plough=Plough(depth_m=0.25),
+)
+CM_15 = replace(
+    CM_25,
+    name="plough-15cm",
+    about="200 m at 15 cm in firm soil; published mean speed 6.48 km/h",
+    plough=Plough(depth_m=0.15),
+)
+CM_20 = replace(
+    CM_25,
+    name="plough-20cm",
+    about="200 m at 20 cm in firm soil; published mean speed 5.83 km/h",
+    plough=Plough(depth_m=0.20),
+)
+CM_30 = replace(
+    CM_25,
+    name="plough-30cm",
+    about="200 m at 30 cm in firm soil; published mean speed 5.04 km/h",
+    plough=Plough(depth_m=0.30),
+)

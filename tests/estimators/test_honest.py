@@ -1,0 +1,156 @@
+"""Where a filter's model is what happened, its standard deviation is that of its error."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import synthetic
+from scipy.stats import chi2
+
+from estimators.four_state import FourState, white_jerk
+from estimators.four_state_printed import FourStatePrinted
+from estimators.parallel_kf import KF_TUNED, KF_Z2, PKF
+from estimators.ratio import RATIO, RATIO_FRONT
+from twin.streams import ImuSetup, Streams
+
+IMU = ImuSetup(
+    rate_hz=50.0,
+    lever_arm_m=(0.0, 0.0, 0.0),
+    gyro_noise_radps_rthz=0.0,
+    accel_noise_mps2_rthz=0.1 / 50**0.5,
+    gyro_bias_sd_radps=0.0,
+    accel_bias_sd_mps2=0.1,
+)
+SETUP = synthetic.setup(imu=IMU)
+GRAVITY_MPS2 = 9.81
+
+
+def streams(rng, ground, accel, wheels, wheel_sd, accel_w=None, front=None, hz=50.0, gnss_every=1):
+    """Noisy streams of given speeds, (n,) and wheels (n, 2), first sample at 1/hz."""
+    t = np.arange(1, len(ground) + 1) / hz
+
+    def noisy(values, sd):
+        return values + sd * rng.standard_normal(np.shape(values))
+
+    table = synthetic.stamps(t) | {"speed_sd_mps": np.full(t.shape, wheel_sd)}
+    for i, wheel in enumerate(("rl", "rr")):
+        table[f"speed_{wheel}_mps"] = noisy(wheels[:, i], wheel_sd)
+        table[f"speed_f{wheel[1]}_mps"] = noisy(ground if front is None else front, wheel_sd)
+        if accel_w is not None:
+            table[f"accel_{wheel}_mps2"] = accel_w
+    kept = slice(None, None, gnss_every)
+    gnss = synthetic.stamps(t[kept]) | {
+        "v_east_mps": noisy(ground[kept], 0.03),
+        "v_north_mps": 0 * t[kept],
+    }
+    tables = {"gnss": gnss, "wheels": table}
+    if accel is not None:
+        tables["imu"] = synthetic.stamps(t) | {"accel_x_mps2": noisy(accel, 0.1)}
+    return Streams(tables)
+
+
+def last_nees(estimator, stream, wheel, ground):
+    _, table = estimator.run(estimator.init(SETUP), stream)
+    slip = (wheel - ground) / max(wheel, ground)
+    return ((table["slip"][-1] - slip) / table["slip_sd"][-1]) ** 2
+
+
+def assert_consistent(nees):
+    """Sum of squared normalised errors in the two-sided 99.9 % band of chi-square."""
+    low, high = chi2.ppf([0.0005, 0.9995], len(nees))
+    assert low < np.sum(nees) < high
+
+
+def walk(rng, start, f, q, n):
+    """A linear Gaussian random walk of states, (n, size)."""
+    states = [np.asarray(start, float)]
+    for _ in range(n - 1):
+        states.append(f @ states[-1] + rng.multivariate_normal(np.zeros(len(f)), q))
+    return np.array(states)
+
+
+@pytest.mark.parametrize("estimator", [RATIO, RATIO_FRONT])
+def test_ratio(estimator):
+    rng = np.random.default_rng(1)
+    n = 800
+    ground = np.full(n, 1.6)
+    stream = streams(rng, ground, None, np.full((n, 2), 2.0), 0.02)
+    _, table = estimator.run(estimator.init(SETUP), stream)
+    assert_consistent(((table["slip"] - 0.2) / table["slip_sd"]) ** 2)
+
+
+def test_four_state():
+    psd, n = 0.5, 120
+    estimator = FourState(
+        jerk_psd_m2ps5=psd, wheel_jerk_psd_m2ps5=psd, accel_model_sd_mps2=0.0, bias_psd_m2ps5=1e-2
+    )
+    f, q = white_jerk(0.02, psd, 2)
+    nees = []
+    for seed in range(150):
+        rng = np.random.default_rng((2, seed))
+        ground = walk(rng, [20.0, rng.standard_normal()], f, q, n)
+        wheels = [walk(rng, [25.0, rng.standard_normal()], f, q, n)[:, 0] for _ in range(2)]
+        bias = np.hypot(0.1, GRAVITY_MPS2 * 0.05) * rng.standard_normal()
+        bias = bias + np.cumsum(np.sqrt(1e-2 * 0.02) * rng.standard_normal(n))
+        wheels = np.array(wheels).T
+        stream = streams(rng, ground[:, 0], ground[:, 1] + bias, wheels, 0.02, gnss_every=3)
+        nees.append(last_nees(estimator, stream, wheels[-1].mean(), ground[-1, 0]))
+    assert_consistent(nees)
+
+
+def test_four_state_printed():
+    estimator = FourStatePrinted()
+    f, n = np.array([[1.0, 0.1], [0.0, 1.0]]), 40
+    q = np.diag(estimator.process_var[:2])
+    nees = []
+    for seed in range(150):
+        rng = np.random.default_rng((3, seed))
+        ground = walk(rng, [20.0, rng.standard_normal()], f, q, n)[:, 0]
+        wheel = walk(rng, [25.0, rng.standard_normal()], f, q, n)[:, 0]
+        stream = streams(rng, ground, None, np.array([wheel, wheel]).T, 0.02, hz=10.0)
+        nees.append(last_nees(estimator, stream, wheel[-1], ground[-1]))
+    assert_consistent(nees)
+
+
+def nees_of_parallel(estimator, speed, n, trials, bias_sd=0.0):
+    dt = 0.02
+    f = np.array([[1.0, dt, dt * dt / 2], [0.0, 1.0, dt], [0.0, 0.0, 1.0]])
+    q = np.diag(estimator.process_var)
+    nees = []
+    for seed in range(trials):
+        rng = np.random.default_rng((4, seed))
+        ground = walk(rng, [speed, *rng.standard_normal(2)], f, q, n)
+        wheel = walk(rng, [1.25 * speed, *rng.standard_normal(2)], f, q, n)
+        bias, bias_w = bias_sd * rng.standard_normal(2)
+        accel_w = wheel[:, 1] + bias_w + 0.1 * rng.standard_normal(n)
+        wheels = np.array([wheel[:, 0], wheel[:, 0]]).T
+        stream = streams(rng, ground[:, 0], ground[:, 1] + bias, wheels, 0.02, accel_w)
+        nees.append(last_nees(estimator, stream, wheel[-1, 0], ground[-1, 0]))
+    return nees
+
+
+MATCHED = {
+    "front_sd_mps": None,
+    "gnss_sd_mps": None,
+    "rear_sd_mps": None,
+    "accel_sd_mps2": 0.1,
+    "wheel_accel_sd_mps2": 0.1,
+}
+
+
+def test_kf_z2():
+    assert_consistent(nees_of_parallel(replace(KF_Z2, **MATCHED), 1000.0, 25, 150))
+
+
+def test_kf_tuned():
+    estimator = replace(
+        KF_TUNED, **MATCHED, bias_sd_mps2=0.3, wheel_bias_sd_mps2=0.3, bias_psd_m2ps5=0.0
+    )
+    assert_consistent(nees_of_parallel(estimator, 20.0, 100, 150, bias_sd=0.3))
+
+
+def test_fusing_two_observers_claims_too_much():
+    """They share the accelerometer and the process noise, which inverse-P fusion counts twice."""
+    nees = nees_of_parallel(replace(PKF, **MATCHED), 100.0, 60, 150)
+    assert np.mean(nees) > 1.1
+    assert np.mean(nees) < 3.0

@@ -1,0 +1,165 @@
+import dataclasses
+
+import numpy as np
+import pytest
+import synthetic
+from synthetic import Drive
+
+from estimators import signals
+from estimators.layout import GNSS, IMU, WHEELS
+from twin.streams import Streams
+
+SETUP = synthetic.setup()
+
+
+def read(streams, setup=SETUP):
+    return signals.read(signals.start(setup), streams)[1]
+
+
+def of(records, sensor):
+    return records[records["sensor"] == sensor]
+
+
+def test_wheel_speed_is_ticks_over_time():
+    t = np.array([0.02, 0.04, 0.07, 0.09])
+    ticks = np.array([100, 110, 140, 140])
+    wheels = of(read(Streams({"wheels": synthetic.stamps(t) | {"ticks_rl": ticks}})), WHEELS)
+    per_tick = 2 * np.pi * 0.8 / 4000
+    speed = wheels["wheel_mps"][:, 2]
+    assert np.isnan(speed[0])
+    assert speed[1:] == pytest.approx(per_tick * np.array([10 / 0.02, 30 / 0.03, 0.0]))
+    assert wheels["wheel_age_s"][1:, 2] == pytest.approx([0.01, 0.015, 0.01])
+    assert np.isnan(wheels["wheel_mps"][:, 3]).all()
+
+
+def test_a_missing_count_widens_the_next_difference():
+    t = np.array([0.02, 0.04, 0.06])
+    ticks = np.array([100.0, np.nan, 140.0])
+    wheels = read(Streams({"wheels": synthetic.stamps(t) | {"ticks_rl": ticks}}))
+    per_tick = 2 * np.pi * 0.8 / 4000
+    assert np.isnan(wheels["wheel_mps"][1, 2])
+    assert wheels["wheel_mps"][2, 2] == pytest.approx(per_tick * 40 / 0.04)
+
+
+def test_sd_of_ticks_is_that_of_their_rounding():
+    drive = Drive(duration_s=60.0)
+    wheels = of(read(synthetic.streams(drive, SETUP)), WHEELS)[1:]
+    middle = synthetic.seconds(wheels["epoch_ns"]) - wheels["wheel_age_s"][:, 2]
+    error = wheels["wheel_mps"][:, 2] - synthetic.wheel_speed(drive, "rl", middle)
+    assert np.std(error) == pytest.approx(wheels["wheel_sd_mps"][0, 2], rel=0.1)
+
+
+def test_antenna_on_a_pitching_roof_is_brought_to_the_axle():
+    """The antenna moves at up to 0.24 m/s and its samples come 0.1 s late."""
+    drive = Drive(
+        duration_s=20.0,
+        gnss_delay_s=0.1,
+        noise=0.0,
+        pitch=lambda t: 0.0087 * np.sin(2 * np.pi * 1.5 * t),
+    )
+    gnss = of(read(synthetic.streams(drive, SETUP)), GNSS)
+    t = synthetic.seconds(gnss["epoch_ns"])
+    swing = 2.9 * synthetic.derivative(drive.pitch, t)
+    error = (gnss["v_x_mps"] - drive.speed(t))[t > 2]
+    assert np.std(swing) > 0.15
+    assert np.std(error) < 0.03 * np.std(swing)
+
+
+def circle(yaw_rate=0.3, v_x=1.8, v_y=0.0, mount=0.0, n=100):
+    """Antenna velocities of a machine that turns with a constant velocity of its rear axle."""
+    t = np.arange(1, n + 1) / 20
+    heading = 0.4 + yaw_rate * t
+    lever = SETUP.gnss.lever_arm_m
+    body_x, body_y = v_x - yaw_rate * lever[1], v_y + yaw_rate * lever[0]
+    c, s = np.cos(heading), np.sin(heading)
+    gnss = synthetic.stamps(t) | {
+        "v_east_mps": body_x * c - body_y * s,
+        "v_north_mps": body_x * s + body_y * c,
+        "heading_rad": (heading + mount + np.pi) % (2 * np.pi) - np.pi,
+    }
+    return Streams(
+        {"gnss": gnss, "imu": synthetic.stamps(t) | {"gyro_z_radps": np.full(n, yaw_rate)}}
+    )
+
+
+def lever_setup(**overrides):
+    gnss = dataclasses.replace(SETUP.gnss, lever_arm_m=(0.5, 0.3, 2.9), **overrides)
+    return synthetic.setup(gnss=gnss)
+
+
+@pytest.mark.parametrize("mount", [0.0, 0.2])
+def test_turning_makes_no_sideslip_at_the_axle_and_cg_times_yaw_rate_ahead(mount, monkeypatch):
+    setup = lever_setup(heading_mount_rad=mount)
+    monkeypatch.setattr("test_signals.SETUP", setup)
+    # the gyro's first sample comes with the second GNSS sample
+    gnss = of(read(circle(mount=mount), setup), GNSS)[2:]
+    assert gnss["v_x_mps"] == pytest.approx(1.8, abs=1e-9)
+    assert gnss["v_y_held_mps"] == pytest.approx(0.0, abs=1e-9)
+    rear = gnss["sideslip_rear_m"]
+    assert rear - rear[0] == pytest.approx(0.0, abs=1e-9)
+    turned = gnss["sideslip_m"][-1] - gnss["sideslip_m"][0]
+    assert turned == pytest.approx(0.9 * 0.3 * (len(gnss) - 1) / 20)
+
+
+def test_heading_is_carried_by_the_gyro_when_the_receiver_loses_it():
+    streams = circle(v_y=0.1)
+    streams["gnss"]["heading_rad"][40:] = np.nan
+    gnss = of(read(streams), GNSS)[2:]
+    assert gnss["v_y_held_mps"] == pytest.approx(0.1, abs=1e-9)
+
+
+def test_without_heading_the_wheels_give_the_sign_and_sideslip_is_unknown():
+    t = np.arange(1, 50) / 20
+    still = {"v_east_mps": 0 * t + 1.2, "v_north_mps": 0 * t + 0.5}
+    back = {"speed_rl_mps": 0 * t - 1.4, "speed_rr_mps": 0 * t - 1.4}
+    tables = {"gnss": synthetic.stamps(t) | still, "wheels": synthetic.stamps(t) | back}
+    gnss = of(read(Streams(tables)), GNSS)[1:]
+    assert gnss["v_x_mps"] == pytest.approx(-1.3)
+    assert np.isnan(gnss["v_y_held_mps"]).all()
+
+
+def test_speed_is_along_the_ground_on_a_grade():
+    t, grade = np.arange(1, 100) / 20, np.radians(8)
+    gnss = {
+        "v_east_mps": 0 * t + 1.5 * np.cos(grade),
+        "v_north_mps": 0 * t,
+        "v_up_mps": 0 * t + 1.5 * np.sin(grade),
+        "heading_rad": 0 * t,
+    }
+    assert read(Streams({"gnss": synthetic.stamps(t) | gnss}))["v_x_mps"] == pytest.approx(1.5)
+
+
+def test_sideslip_is_along_the_ground_on_a_cross_slope():
+    t, slope = np.arange(1, 500) / 50, np.radians(18)
+    gnss = {
+        "v_east_mps": 0 * t + 1.0,
+        "v_north_mps": 0 * t - 0.05 * np.cos(slope),
+        "heading_rad": 0 * t,
+    }
+    imu = {"accel_x_mps2": 0 * t, "accel_y_mps2": 0 * t + 9.81 * np.sin(slope)}
+    streams = Streams({"gnss": synthetic.stamps(t) | gnss, "imu": synthetic.stamps(t) | imu})
+    records = of(read(streams), GNSS)[2:]
+    assert records["v_y_held_mps"] == pytest.approx(-0.05)
+    amount = records["sideslip_rear_m"][-1] - records["sideslip_rear_m"][0]
+    assert amount == pytest.approx(-0.05 * (len(records) - 1) / 50)
+
+
+def test_quick_pitching_leaves_the_accelerometer_and_a_slope_stays():
+    drive = Drive(
+        duration_s=60.0,
+        noise=0.0,
+        speed=lambda t: 1.5 + 0 * t,
+        pitch=lambda t: 0.05 + 0.02 * np.sin(2 * np.pi * 0.8 * t),
+    )
+    imu = of(read(synthetic.streams(drive, SETUP)), IMU)
+    accel = imu["accel_mps2"][synthetic.seconds(imu["epoch_ns"]) > 30]
+    assert np.mean(accel) == pytest.approx(9.81 * np.sin(0.05), abs=0.01)
+    assert np.std(accel) < 0.1 * 9.81 * 0.02 / np.sqrt(2)
+
+
+def test_no_fix_is_no_velocity():
+    streams = circle()
+    streams["gnss"]["quality"] = np.where(np.arange(100) < 50, 4, 0)
+    gnss = of(read(streams), GNSS)
+    assert np.isfinite(gnss["v_x_mps"][:50]).all()
+    assert np.isnan(gnss["v_x_mps"][50:]).all()

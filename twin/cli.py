@@ -1,0 +1,96 @@
+"""The command `twin`: finds the subcommand, and turns every error into one line and a status.
+
+Status 0; 2 for bad input, with one line on stderr; 130 when interrupted. Nothing heavy is imported
+before the subcommand that needs it.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+from twin.errors import BadInput, TwinError, UnknownName
+
+COMMANDS: dict[str, tuple[str, str]] = {
+    "list": ("twin.commands.list", "scenarios, machines, soils and estimators"),
+    "run": ("twin.commands.run", "NAME: simulate a scenario, estimate, score, write a run folder"),
+    "estimate": ("twin.commands.estimate", "LOG: run the estimators on a recorded drive"),
+    "view": ("twin.commands.view", "DIR: open the recording of a run folder"),
+    "bench": ("twin.commands.bench", "measure speed and memory on this machine"),
+}
+"""Subcommand -> (module with `main(args) -> status`, what it does)."""
+
+BAD_INPUT, INTERRUPTED = 2, 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run `twin` and give its exit status.
+
+    Args:
+        argv: arguments after the program's name; those of the process when None.
+    """
+    args = list(sys.argv[1:] if argv is None else argv)
+    try:
+        return _dispatch(args)
+    except TwinError as error:
+        return _refuse(str(error))
+    except KeyboardInterrupt:
+        print("twin: interrupted; nothing was written", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader of our output has gone, as in `twin list | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except SystemExit as end:  # tyro, after printing help
+        return end.code if isinstance(end.code, int) else 0
+
+
+def _dispatch(args: Sequence[str]) -> int:
+    if not args or args[0] in ("-h", "--help"):
+        print(_help())
+        return 0 if args else BAD_INPUT
+    if args[0] == "--version":
+        print(_version())
+        return 0
+    if args[0].startswith("-"):
+        raise BadInput(
+            f"{args[0]} stands before a command; the commands are: {', '.join(COMMANDS)}"
+        )
+    if args[0] not in COMMANDS:
+        raise UnknownName("command", args[0], COMMANDS)
+    module, _ = COMMANDS[args[0]]
+    status: int = import_module(module).main(args[1:])
+    return status
+
+
+def _help() -> str:
+    width = max(map(len, COMMANDS))
+    lines = [f"  {name:<{width}}  {about}" for name, (_, about) in COMMANDS.items()]
+    return "\n".join(
+        (
+            "usage: twin COMMAND [OPTIONS]",
+            "",
+            "A simulated tractor and plough, the streams its sensors would give, and estimators",
+            "of wheel slip and sideslip scored against the truth.",
+            "",
+            *lines,
+            "",
+            "twin COMMAND --help says more; twin run NAME --help lists every parameter of a scenario.",
+        )
+    )
+
+
+def _version() -> str:
+    from importlib import metadata
+
+    return f"tractor-twin {metadata.version('tractor-twin')}"
+
+
+def _refuse(message: str) -> int:
+    print("twin: " + " ".join(message.split()), file=sys.stderr)
+    return BAD_INPUT
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""The subcommands of `twin`, one module each with `main(args) -> exit status`."""

@@ -1,0 +1,63 @@
+"""`twin bench`: measured speed and memory, as rows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from twin import rows
+from twin.commands.parse import parse
+from twin.commands.terminal import console
+from twin.errors import BadInput
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bench:
+    """Measure speed and memory on this machine, beside the values promised."""
+
+    json: Path | None = None
+    """File for the rows."""
+
+
+def main(args: Sequence[str]) -> int:
+    """Measure, print, and write the rows where asked."""
+    options = parse(Bench, args, prog="twin bench")
+    if options.json is not None and not options.json.parent.is_dir():
+        raise BadInput(f"--json {options.json}: there is no directory {options.json.parent}")
+    from twin import bench
+
+    measured = bench.rows()
+    print_rows(measured)
+    if options.json is not None:
+        rows.write(measured, options.json)
+    return 0
+
+
+def print_rows(measured: Sequence[Mapping[str, Any]]) -> None:
+    """Rows as a table of case, quantity, value and what was promised."""
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for header, justify in (("case", "left"), ("quantity", "left"), ("ours", "right")):
+        table.add_column(header, justify=justify)  # type: ignore[arg-type]
+    for header in ("low", "high", "unit", "passed"):
+        table.add_column(header)
+    for row in measured:
+        table.add_row(str(row["case"]), str(row["quantity"]), *_cells(row))
+    console().print(table)
+
+
+def _cells(row: Mapping[str, Any]) -> list[str]:
+    values = [row.get(key) for key in ("ours", "low", "high", "unit", "passed")]
+    return [_text(value) for value in values]
+
+
+def _text(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "NO"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

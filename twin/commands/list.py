@@ -1,0 +1,89 @@
+"""`twin list`: what there is, by name."""
+
+from __future__ import annotations
+
+import ast
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+from twin.commands.parse import parse
+from twin.commands.terminal import console
+
+
+@dataclass(frozen=True, kw_only=True)
+class List:
+    """Scenarios, machines, soils and estimators, each with one line."""
+
+    json: bool = False
+    """Print JSON."""
+
+
+def main(args: Sequence[str]) -> int:
+    """Print everything that can be named."""
+    options = parse(List, args, prog="twin list")
+    groups = everything()
+    if options.json:
+        print(json.dumps(groups, indent=2))
+        return 0
+    out = console()
+    for title, entries in groups.items():
+        out.print(f"[bold]{title}[/bold]")
+        width = max((len(name) for name in entries), default=0)
+        for name, about in entries.items():
+            out.print(f"  {name:<{width}}  {about}", highlight=False, markup=False)
+    return 0
+
+
+def everything() -> dict[str, dict[str, str]]:
+    """Kind -> name -> one line, without importing anything heavy."""
+    import estimators
+    import scenarios
+    from twin.scenario import MACHINES
+    from twin.soils import PRESETS
+
+    return {
+        "scenarios": {n: _scenario_about(n) for n in scenarios.REGISTRY},
+        "machines": dict(MACHINES),
+        "soils": {name: preset.about for name, preset in PRESETS.items()},
+        "estimators": described(estimators.REGISTRY),
+    }
+
+
+def described(registry: Mapping[str, str]) -> dict[str, str]:
+    """First line of the documentation of each `module:Attribute`, read without importing it."""
+    return {name: _about(target) for name, target in registry.items()}
+
+
+def _scenario_about(name: str) -> str:
+    from twin import registry
+
+    return str(registry.load("scenario", name).about)
+
+
+def _about(target: str) -> str:
+    module, _, attribute = target.partition(":")
+    spec = find_spec(module)
+    if spec is None or spec.origin is None:
+        return ""
+    tree = ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
+    text = _attribute_doc(tree, attribute) or ast.get_docstring(tree) or ""
+    return text.split("\n\n")[0].replace("\n", " ").strip()
+
+
+def _attribute_doc(tree: ast.Module, attribute: str) -> str | None:
+    """Docstring of a class or function, or the string under an assignment."""
+    for node, following in zip(tree.body, [*tree.body[1:], None], strict=True):
+        if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and node.name == attribute:
+            return ast.get_docstring(node)
+        if isinstance(node, (ast.Assign, ast.AnnAssign)) and _assigns(node, attribute):
+            if isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant):
+                return str(following.value.value)
+    return None
+
+
+def _assigns(node: ast.Assign | ast.AnnAssign, name: str) -> bool:
+    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+    return any(isinstance(t, ast.Name) and t.id == name for t in targets)

@@ -1,0 +1,109 @@
+"""Arguments to frozen dataclasses through tyro, whose refusals become one line."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+from collections.abc import Sequence
+from typing import TypeVar
+
+import tyro
+
+from twin.errors import BadInput
+
+T = TypeVar("T")
+
+_BOX = "╭╮╰╯│─"
+_READINGS = (
+    (
+        r"Error parsing (?P<option>\S+): invalid literal for int.*: '(?P<given>.*)'",
+        "a whole number",
+    ),
+    (
+        r"Error parsing (?P<option>\S+): could not convert string to float: '(?P<given>.*)'",
+        "a number",
+    ),
+    (
+        r"Error parsing (?P<option>\S+): no type matching (?P<wanted>.+) could be "
+        r"instantiated from \['(?P<given>.*)'\]\.?",
+        "",
+    ),
+)
+"""What tyro says -> what we say is wanted; empty where tyro names it."""
+_KINDS = {"INT": "a whole number", "FLOAT": "a number", "STR": "text"}
+_CONFIG = (tyro.conf.AvoidSubcommands, tyro.conf.FlagCreatePairsOff)
+
+
+def parse(kind: type[T], args: Sequence[str], *, prog: str) -> T:
+    """An instance of a dataclass from the command line.
+
+    Args:
+        kind: dataclass; its fields are the options.
+        args: what stands after `prog`.
+        prog: the command as the user typed it, for help.
+
+    Raises:
+        BadInput: what tyro refuses, as one line.
+        SystemExit: status 0, after help was printed.
+    """
+    boxes = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(boxes):
+            return tyro.cli(kind, args=list(args), prog=prog, config=_CONFIG)
+    except SystemExit as end:
+        if not end.code:
+            raise
+        raise BadInput(one_line(boxes.getvalue())) from None
+
+
+def one_line(boxes: str) -> str:
+    """What tyro's box says, without the box, the class names and the pointer to help.
+
+    `Error parsing scenario.soil: soil.friction = 9 is outside [0.05, 1.5]` becomes
+    `soil.friction = 9 is outside [0.05, 1.5]`.
+    """
+    blocks = _blocks(boxes)
+    text = blocks[0].split(" Got errors:")[0] if blocks else "the arguments cannot be used"
+    for pattern, reading in _READINGS:
+        if found := re.fullmatch(pattern, text):
+            option, given, wanted = (
+                found.groupdict().get(k) for k in ("option", "given", "wanted")
+            )
+            return f"{option} = {given} is not {reading or _listed(wanted or '')}"
+    text = re.sub(r"^Missing from ([^:]+): ", r"\1 needs ", text)
+    text = re.sub(r"^Error parsing (?!-)[\w.\[\]{}|-]*:? *", "", text)
+    return text + _nearest(text, blocks[1:])
+
+
+def _blocks(boxes: str) -> list[str]:
+    """The parts between a box's rules, each as one line; first titles and edges go."""
+    blocks: list[list[str]] = [[]]
+    for line in boxes.splitlines():
+        if line[:1] in "╭╰":
+            continue
+        content = line.strip(_BOX + " ")
+        if not content and "─" in line:
+            blocks.append([])
+        elif content:
+            blocks[-1].append(content)
+    return [" ".join(block) for block in blocks if block]
+
+
+def _nearest(text: str, blocks: Sequence[str]) -> str:
+    """`; did you mean --soil.friction?` where tyro knows a similar option."""
+    if not text.startswith("Unrecognized"):
+        return ""
+    for block in blocks:
+        if block.startswith(("Perhaps", "Arguments similar")):
+            options = re.findall(r"(?<=[: ])--[\w.-]+(?=[ ,])", block)
+            near = [o for o in options if o not in text.split(": ", 1)[-1].split(", ")]
+            if near:
+                return f"; did you mean {near[0]}?"
+    return ""
+
+
+def _listed(wanted: str) -> str:
+    """`{None}|FLOAT` as `None or a number`."""
+    parts = [part.strip("{}").replace(",", ", ") for part in wanted.split("|")]
+    return " or ".join(_KINDS.get(part, part) for part in parts)

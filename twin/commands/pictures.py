@@ -1,0 +1,22 @@
+"""The recording of a simulated run, with the machine it was driven with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from twin.runfolder import RunLike
+
+
+def record(run: RunLike, scores: Mapping[str, Any], path: Path) -> None:
+    """Write run.rrd. The scores are not drawn."""
+    from twin import viz
+
+    viz.record(run, path, model=_model(run.scenario))
+
+
+def _model(scenario: Any) -> Any:
+    from twin.machine.build import build
+
+    return build(scenario).model

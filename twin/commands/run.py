@@ -1,0 +1,119 @@
+"""`twin run NAME`: simulate, estimate, score, write the run folder, show the table."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import tyro
+
+from twin import registry
+from twin.commands.parse import parse
+from twin.commands.terminal import console, print_scores, progress
+from twin.errors import BadInput
+
+if TYPE_CHECKING:
+    from twin.run import Run
+
+DEFAULT_ESTIMATORS = "ratio,four-state"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """Simulate a scenario, run the estimators on its streams and score them against the truth."""
+
+    out: Path | None = None
+    """Folder to write; runs/<name>-seed<N> by default."""
+    estimators: str = DEFAULT_ESTIMATORS
+    """Names, or module:Name of your own, separated by commas."""
+    view: bool = False
+    """Open the recording when done."""
+    quiet: bool = False
+    """Say nothing but errors."""
+    json: bool = False
+    """Print the scores as JSON instead of a table."""
+
+
+def main(args: Sequence[str]) -> int:
+    """Run a scenario by name; everything after the name is options and overrides."""
+    name, rest = _split(args)
+    default = registry.load("scenario", name)
+    options = parse(_with_overrides(default), rest, prog=f"twin run {name}")
+    scenario: Any = options.scenario  # type: ignore[attr-defined]
+    directory = execute(scenario, options)
+    if options.view:
+        from twin import viz
+
+        viz.view(directory / "run.rrd")
+    return 0
+
+
+def execute(scenario: Any, options: Options) -> Path:
+    """Run one scenario and write its folder; returns the folder."""
+    from twin import runfolder, scores
+
+    directory = options.out or runfolder.default_directory(scenario.name, scenario.seed)
+    runfolder.refuse_foreign(directory)  # before the work, not after it
+    estimators = load_estimators(options.estimators)
+    from twin.run import run  # heavy, so only once the input is known to be good
+
+    shown = not (options.quiet or options.json)
+    with progress(scenario.name, shown=shown) as report:
+        result = run(scenario, estimators=estimators, progress=report)
+    table = scores.score(result.truth, result.estimates, scenario=scenario.name, seed=scenario.seed)
+    runfolder.write(result, table, directory, pictures=_pictures())
+    _say(result, table, directory, options)
+    return directory
+
+
+def load_estimators(names: str) -> dict[str, Any]:
+    """Estimators by name from `a,b,module:Name`. Raises UnknownName, or BadInput for none at all."""
+    wanted = [name.strip() for name in names.split(",") if name.strip()]
+    if not wanted:
+        raise BadInput("--estimators names none; twin list says what there is")
+    return {name: registry.load("estimator", name) for name in wanted}
+
+
+def _split(args: Sequence[str]) -> tuple[str, Sequence[str]]:
+    if args and args[0] in ("-h", "--help"):
+        parse(Options, ["--help"], prog="twin run NAME")
+    if not args or args[0].startswith("-"):
+        known = ", ".join(registry.names("scenario"))
+        raise BadInput(f"twin run needs the name of a scenario first; there are: {known}")
+    return args[0], args[1:]
+
+
+def _with_overrides(default: Any) -> type[Options]:
+    """Options and every field of the scenario, whose defaults are the named scenario's values."""
+    fields = dataclasses.field(default=default)
+    annotation = Annotated[type(default), tyro.conf.arg(name="")]
+    made = dataclasses.make_dataclass(
+        "Options",
+        [("scenario", annotation, fields)],
+        bases=(Options,),
+        frozen=True,
+        kw_only=True,
+        namespace={"__doc__": f"{default.about or Options.__doc__}"},
+    )
+    return made
+
+
+def _pictures() -> Mapping[str, Any]:
+    from twin import report
+    from twin.commands.pictures import record
+
+    return {"report.html": report.write, "run.rrd": record}
+
+
+def _say(result: Run, table: Mapping[str, Any], directory: Path, options: Options) -> None:
+    if options.json:
+        print(json.dumps(table, indent=2))
+    elif not options.quiet:
+        print_scores(table)
+        simulated_s = float(result.truth["epoch_ns"][-1] - result.truth["epoch_ns"][0]) * 1e-9
+        pace = f"{simulated_s:.0f} s driven in {result.wall_s:.1f} s" if result.wall_s else ""
+        console().print(f"{pace}; {directory}/report.html, {directory}/run.rrd", highlight=False)

@@ -1,0 +1,83 @@
+"""What is said on the terminal: tables, progress, and little of either when it is not one."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from rich.console import Console
+
+from twin.table import HEADERS, score_rows
+
+_WIDE = 200
+"""Columns of a table that goes into a file or a pipe."""
+
+
+def console(*, stderr: bool = False) -> Console:
+    """A console; into a file or a pipe it neither colours nor wraps at 80."""
+    out = Console(stderr=stderr, soft_wrap=False)
+    return out if out.is_terminal else Console(stderr=stderr, width=_WIDE, no_color=True)
+
+
+def print_scores(scores: Mapping[str, Any]) -> None:
+    """The score table, and above it what was driven."""
+    from rich import box
+    from rich.table import Table
+
+    rows = score_rows(scores)
+    if not rows:
+        return
+    table = Table(box=box.SIMPLE_HEAD, title=_title(scores), title_justify="left", pad_edge=False)
+    for i, header in enumerate(HEADERS):
+        table.add_column(header, justify="left" if i == 0 else "right", no_wrap=i == 0)
+    for row in rows:
+        table.add_row(*row)
+    console().print(table)
+
+
+def _title(scores: Mapping[str, Any]) -> str:
+    truth, window = scores.get("truth") or {}, scores.get("window_s") or (0.0, 0.0)
+    said = [str(scores.get("scenario"))]
+    if scores.get("seed") is not None:
+        said.append(f"seed {scores['seed']}")
+    said.append(f"scored {window[0]:.1f} to {window[1]:.1f} s")
+    for key, form in (
+        ("mean_speed_kmh", "{:.2f} km/h"), ("slip_mean", "slip {:.2%}"), ("draft_mean_kn", "draft {:.1f} kN"),
+    ):  # fmt: skip
+        if truth.get(key) is not None:
+            said.append(form.format(truth[key]))
+    return ", ".join(said)
+
+
+@contextmanager
+def progress(label: str, *, shown: bool) -> Iterator[Callable[[float], None]]:
+    """A bar on stderr for something that reports the share done, 0 to 1; silent off a terminal."""
+    err = console(stderr=True)
+    if not (shown and err.is_terminal):
+        yield lambda share: None
+        return
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TaskProgressColumn,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    columns = (TextColumn(label), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=err, transient=True) as bar:
+        task = bar.add_task(label, total=1.0)
+        yield lambda share: bar.update(task, completed=min(share, 1.0))
+
+
+class Stopwatch:
+    """Seconds since it was made."""
+
+    def __init__(self) -> None:
+        self._start_s = time.perf_counter()
+
+    def seconds(self) -> float:
+        """Time since the start [s]."""
+        return time.perf_counter() - self._start_s

@@ -1,0 +1,54 @@
+"""The streams of a run folder of our own: streams/setup.json and streams/<sensor>.parquet."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from twin.errors import BadInput, UnknownName
+from twin.logs.cells import quoted
+from twin.logs.log import Log
+from twin.logs.parquet_table import read_parquet
+from twin.logs.setup_block import setup_from
+from twin.streams import COLUMNS, Setup, Streams, Table
+
+
+def read_run_folder(path: Path) -> Log:
+    """The Log of a run folder, or of its `streams` folder. Raises BadInput if it is malformed."""
+    folder = path / "streams" if (path / "streams").is_dir() else path
+    setup_json = folder / "setup.json"
+    if not setup_json.is_file():
+        raise BadInput(
+            "a directory without streams/setup.json is not a run folder; name a log file"
+        )
+    files = sorted(folder.glob("*.parquet"))
+    if not files:
+        raise BadInput(f"{folder.name}/ has no .parquet file")
+    tables = {f.stem: _table(f) for f in files}
+    return Log(streams=Streams(tables), setup=_setup(setup_json))
+
+
+def _setup(path: Path) -> Setup:
+    try:
+        raw = json.loads(path.read_bytes())
+    except (ValueError, RecursionError) as error:
+        raise BadInput(f"{path.name} is not JSON: {error}") from None
+    if not isinstance(raw, dict):
+        raise BadInput(f"{path.name} is not a set-up but a {type(raw).__name__}")
+    return setup_from(raw, where=path.name, assume=False)
+
+
+def _table(path: Path) -> Table:
+    sensor = path.stem
+    if sensor not in COLUMNS:
+        raise BadInput(f"{path.name}: {UnknownName('stream', sensor, COLUMNS)}")
+    table: Table = {}
+    for column, cells in read_parquet(path).items():
+        if isinstance(cells, list) or cells.dtype.kind not in "iuf":
+            raise BadInput(f"{path.name}: column {quoted(column)} does not hold numbers")
+        if cells.dtype.kind == "f" and np.any(np.isinf(cells)):
+            raise BadInput(f"{path.name}: column {quoted(column)} holds an infinity")
+        table[column] = cells
+    return table

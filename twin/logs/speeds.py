@@ -1,0 +1,36 @@
+"""The two speeds a slip is made of, from the streams of a log."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.logs.gaps import between
+from twin.streams import Streams
+
+
+def ground_speed_mps(streams: Streams) -> NDArray[Any]:
+    """Horizontal GNSS speed at the epochs of `gnss`, sqrt(v_east^2 + v_north^2)."""
+    east, north = (streams.column("gnss", f"v_{axis}_mps") for axis in ("east", "north"))
+    return np.asarray(np.hypot(east, north))
+
+
+def driven_speed_mps(streams: Streams) -> NDArray[Any]:
+    """Mean speed of the rear wheels at the epochs of `wheels`, without sign as a bus gives it."""
+    rear = [streams.column("wheels", f"speed_{w}_mps") for w in ("rl", "rr")]
+    return np.asarray(np.abs(np.mean(rear, axis=0)))
+
+
+def paired_speeds(streams: Streams) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Ground speed and mean driven-wheel speed [m/s] at the epochs of `wheels`.
+
+    Both have shape (0,) without either sensor; NaN where one was not measured.
+    """
+    if "gnss" not in streams or "wheels" not in streams:
+        return np.empty(0), np.empty(0)
+    ground, driven = ground_speed_mps(streams), driven_speed_mps(streams)
+    start = int(streams["gnss"]["epoch_ns"][0])
+    gnss_s, wheels_s = ((streams[s]["epoch_ns"] - start) * 1e-9 for s in ("gnss", "wheels"))
+    return between(wheels_s, gnss_s, ground), driven

@@ -1,0 +1,290 @@
+"""Compile a scenario's machine: MJCF, ground, parameter block, working linkage, start state."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.errors import BadInput
+from twin.machine.files import model_path
+from twin.machine.ground_frame import quaternion, world_from_ground
+from twin.machine.hitch import Hitch
+from twin.physics import block
+from twin.physics.block import Engine, Head, Plough, Soil, Wheel
+from twin.physics.callback import install
+from twin.scenario import Scenario
+from twin.soils import LAWS
+
+Array = NDArray[np.float64]
+
+GRAVITY_MPS2 = 9.81
+RAISED_RAD = 0.6
+"""Lower-link angle with the plough carried."""
+SETTLE_S = 4.0
+"""Time in which the machine settles on its tyres before a run."""
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A compiled machine on its ground, ready to run."""
+
+    scenario: Scenario
+    model: Any
+    """mujoco.MjModel with the parameter block."""
+    numbers: dict[str, float]
+    """The models' own <numeric> values by name."""
+    world_from_ground: Array
+    """Rotation from the ground plane's frame to the world. Shape (3, 3)."""
+    hitch: Hitch
+    work_rad: float
+    """Lower-link angle at the working depth."""
+    start_qpos: Array
+    start_speed_mps: float
+
+    @property
+    def throttle(self) -> float:
+        """Governor setting of the scenario, 0 at idle, 1 at full."""
+        idle, top = self.numbers["engine.idle_rpm"], self.numbers["engine.no_load_rpm"]
+        return (self.scenario.drive.engine_set_rpm - idle) / (top - idle)
+
+
+def build(scenario: Scenario) -> Machine:
+    """Compile the machine of a scenario and install the laws.
+
+    Wheel contact is switched off, because the callback takes over; everything else stays native.
+    """
+    install()
+    spec = mujoco.MjSpec.from_file(str(model_path(scenario.machine)))
+    numbers = {n.name: float(n.data[0]) for n in spec.numerics}
+    if scenario.plough is None:
+        _leave_plough(spec)
+    for geom in (*(f"{w}_tyre" for w in block.WHEELS), "plough.depth_wheel_rim"):
+        if (rim := spec.geom(geom)) is not None:
+            rim.contype = rim.conaffinity = 0
+    rotation = world_from_ground(scenario.field, scenario.course)
+    _add_ground(spec, rotation)
+    _add_activations(spec)
+    spec.nuserdata = block.RATE_SLOTS + 16
+    spec.add_numeric(name="tractor_twin", size=block.SIZE, data=[0.0] * block.SIZE)
+    model = spec.compile()
+    hitch = _hitch(spec)
+    _engage(model, scenario, numbers)
+    model.numeric_data[-block.SIZE :] = _block(scenario, model, numbers, rotation)
+    axle_height_m = model.body("tractor").pos[2]
+    work_rad = 0.0
+    if scenario.plough is not None:
+        work_rad = _set_plough(model, scenario.plough, numbers, hitch, axle_height_m)
+    speed = _unloaded_speed_mps(scenario, numbers)
+    qpos = _settled(model, _start(model, scenario, rotation, hitch, work_rad))
+    return Machine(scenario, model, numbers, rotation, hitch, work_rad, qpos, speed)
+
+
+def _leave_plough(spec: Any) -> None:
+    spec.delete(spec.body("plough.frame"))
+    for element in (*spec.tendons, *spec.equalities):
+        if element.name == "top_link":
+            spec.delete(element)
+
+
+def _add_ground(spec: Any, rotation: Array) -> None:
+    spec.worldbody.add_geom(
+        name="ground",
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        size=[0, 0, 1],
+        quat=quaternion(rotation),
+        contype=1,
+        conaffinity=2,
+        rgba=[0.48, 0.40, 0.27, 1.0],
+    )
+
+
+def _add_activations(spec: Any) -> None:
+    """Tyre deflections and brake wind-ups: MuJoCo activations whose rates our callback gives."""
+    names = [f"{w}_tyre_{axis}" for w in block.WHEELS for axis in "xy"]
+    for name in (*names, "rl_brake", "rr_brake"):
+        actuator = spec.add_actuator(
+            name=name,
+            trntype=mujoco.mjtTrn.mjTRN_JOINT,
+            target=f"{name[:2]}_spin",
+            dyntype=mujoco.mjtDyn.mjDYN_USER,
+        )
+        actuator.gainprm[0] = 0.0
+
+
+def _hitch(spec: Any) -> Hitch:
+    links, frame = spec.body("lower_links"), spec.frame("hitch")
+    top, mast = spec.site("top_link_front"), spec.site("plough.top_link_rear")
+    return Hitch(
+        lower_front=(float(links.pos[0]), float(links.pos[2])),
+        lower_length_m=-float(frame.pos[0]),
+        top_front=(float(top.pos[0]), float(top.pos[2])),
+        mast=(0.0, 0.0) if mast is None else (float(mast.pos[0]), float(mast.pos[2])),
+    )
+
+
+def _engage(model: Any, scenario: Scenario, numbers: dict[str, float]) -> None:
+    """Front axle, differential lock, and the engine's inertia as the locked rear axle feels it."""
+    drive = scenario.drive
+    model.eq_active0[model.equality("all_wheel_drive").id] = drive.all_wheel_drive
+    model.eq_active0[model.equality("diff_lock").id] = drive.differential_lock
+    reflected = 0.5 * numbers["engine.inertia_kgm2"] * drive.gear_ratio**2
+    for wheel in ("rl", "rr"):
+        model.dof_armature[model.joint(f"{wheel}_spin").dofadr[0]] = reflected
+
+
+def _block(scenario: Scenario, model: Any, numbers: dict[str, float], rotation: Array) -> Array:
+    """The parameter block of twin.physics.block."""
+    out = np.zeros(block.SIZE)
+    normal = rotation[:, 2]
+    head = {
+        Head.MAGIC: block.MAGIC,
+        Head.VERSION: block.VERSION,
+        Head.NORMAL_X: normal[0],
+        Head.NORMAL_Y: normal[1],
+        Head.NORMAL_Z: normal[2],
+        Head.SEED: scenario.seed,
+        Head.THROTTLE: model.actuator("throttle").id,
+        Head.BRAKE: model.actuator("brake").id,
+        Head.RATES: block.RATE_SLOTS,
+        Head.PLOUGH_BODY: _body(model, "plough.frame"),
+        Head.DEPTH_WHEEL_BODY: _body(model, "plough.depth_wheel"),
+    }
+    preset = scenario.soil.resolved()
+    soil = {
+        Soil.LAW: LAWS.index(scenario.soil.law),
+        Soil.FRICTION: preset.friction,
+        Soil.CONE_INDEX_KPA: preset.cone_index_kpa,
+        Soil.SLIP_RATE: preset.slip_rate,
+        Soil.ROLLING_MOMENT: preset.rolling_moment,
+        Soil.MOBILITY_RESISTANCE: preset.mobility_resistance,
+        Soil.DRAFT_SCALE: preset.draft_scale,
+        Soil.DRAFT_CV: scenario.soil.draft_cv,
+        Soil.DRAFT_LENGTH_M: scenario.soil.draft_length_m,
+    }
+    parts = [(0, head), (block.SOIL, soil), (block.ENGINE, _engine(scenario, numbers))]
+    for i, wheel in enumerate(block.WHEELS):
+        parts.append((block.WHEEL + i * Wheel.SIZE, _wheel(model, wheel, numbers)))
+    if scenario.plough is not None:
+        parts.append((block.PLOUGH, _plough(model, numbers)))
+    for start, part in parts:
+        for index, value in part.items():
+            out[start + index] = value
+    return out
+
+
+def _body(model: Any, name: str) -> int:
+    return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
+
+
+def _number(numbers: dict[str, float], name: str) -> float:
+    if name not in numbers:
+        raise BadInput(f"the model has no <numeric name='{name}'>")
+    return numbers[name]
+
+
+def _named(numbers: dict[str, float], prefix: str, fields: tuple[Any, ...]) -> dict[Any, float]:
+    """Fields of a block part from the numerics `prefix.<field in lower case>`."""
+    return {f: _number(numbers, f"{prefix}.{f.name.lower()}") for f in fields}
+
+
+def _wheel(model: Any, wheel: str, numbers: dict[str, float]) -> dict[Any, float]:
+    axle = "front" if wheel[0] == "f" else "rear"
+    sizes = tuple(f for f in Wheel if Wheel.WIDTH_M <= f < Wheel.SIZE)
+    return {
+        Wheel.BODY: model.body(f"{wheel}_wheel").id,
+        Wheel.SPIN: int(model.joint(f"{wheel}_spin").dofadr[0]),
+        Wheel.TYRE: _activation(model, f"{wheel}_tyre_x"),
+        Wheel.BRAKE: _activation(model, f"{wheel}_brake") if axle == "rear" else -1,
+        Wheel.DRIVEN: float(axle == "rear"),
+        **_named(numbers, f"tyre_{axle}", sizes),
+    }
+
+
+def _activation(model: Any, actuator: str) -> int:
+    """Address of an actuator's activation."""
+    return int(model.actuator_actadr[model.actuator(actuator).id])
+
+
+def _engine(scenario: Scenario, numbers: dict[str, float]) -> dict[Any, float]:
+    brakes = (Engine.BRAKE_TORQUE_NM, Engine.BRAKE_WINDUP_RAD, Engine.BRAKE_DAMPING_S)
+    own = tuple(f for f in Engine if f < Engine.GEAR_RATIO)
+    return {
+        **_named(numbers, "engine", own),
+        Engine.GEAR_RATIO: scenario.drive.gear_ratio,
+        **{f: _number(numbers, f.name.lower().replace("brake_", "brake.")) for f in brakes},
+    }
+
+
+def _plough(model: Any, numbers: dict[str, float]) -> dict[Any, float]:
+    laws = tuple(f for f in Plough if f < Plough.WHEEL_RADIUS_M)
+    wheel = tuple(f for f in Plough if Plough.WHEEL_RADIUS_M <= f < Plough.SHARES)
+    out = _named(numbers, "plough", laws)
+    for f in wheel:
+        out[f] = _number(numbers, "plough." + f.name.lower().replace("wheel_", "depth_wheel."))
+    for i in range(int(out[Plough.BODIES])):
+        for k, x in enumerate(model.site(f"plough.share_{i + 1}").pos):
+            out[Plough.SHARES + 3 * i + k] = x  # type: ignore[index]
+    return out
+
+
+def _set_plough(
+    model: Any, plough: Any, numbers: dict[str, float], hitch: Hitch, axle_height_m: float
+) -> float:
+    """Set top link and depth wheel so that the plough works level at its depth; the link angle."""
+    sole_m = numbers["plough.sole_below_hitch_m"]
+    work_rad = hitch.lift_rad_at(sole_m - plough.depth_m, axle_height_m)
+    top_link = model.equality("top_link").id
+    model.eq_data[top_link, 0] = (
+        hitch.top_length_m(work_rad, -work_rad) - model.tendon_length0[model.tendon("top_link").id]
+    )
+    weight_n = GRAVITY_MPS2 * model.body_subtreemass[_body(model, "plough.frame")]
+    carried_n = plough.wheel_share * (weight_n + downward_n(numbers, plough.depth_m))
+    sag_m = carried_n / numbers["plough.depth_wheel.stiffness_npm"]
+    radius_m = numbers["plough.depth_wheel.radius_m"]
+    model.body("plough.depth_wheel").pos[2] = plough.depth_m - sole_m + radius_m - sag_m
+    return work_rad
+
+
+def downward_n(numbers: dict[str, float], depth_m: float, scale: float = 0.85) -> float:
+    """Downward soil force the operator expects at 5.5 km/h, to set the depth wheel by."""
+    specific = numbers["plough.draft_a"] + numbers["plough.draft_c"] * 5.5**2
+    width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
+    return numbers["plough.vertical_ratio"] * scale * specific * width_m * 100.0 * depth_m
+
+
+def _unloaded_speed_mps(scenario: Scenario, numbers: dict[str, float]) -> float:
+    """Speed at which the governed engine just carries its own losses."""
+    drive = scenario.drive
+    droop = numbers["engine.droop_rpm_per_nm"] * numbers["engine.no_load_rpm"] / drive.engine_set_rpm
+    rpm = drive.engine_set_rpm - 2.5 * droop * numbers["engine.parasitic_nm"]
+    radius_m = numbers["tyre_rear.free_rolling_radius_m"]
+    return rpm * math.pi / 30.0 / drive.gear_ratio * radius_m
+
+
+def _settled(model: Any, qpos: Array) -> Array:
+    """Where the machine comes to rest with the brakes on and the plough carried. Shape (nq,)."""
+    state = mujoco.MjData(model)
+    state.qpos[:] = qpos
+    state.ctrl[[model.actuator("brake").id, model.actuator("lift").id]] = 1.0, RAISED_RAD
+    mujoco.mj_step(model, state, round(SETTLE_S / model.opt.timestep))
+    return np.array(state.qpos)
+
+
+def _start(
+    model: Any, scenario: Scenario, rotation: Array, hitch: Hitch, work_rad: float
+) -> Array:
+    """Standing on the ground at the start of the course, the plough carried. Shape (nq,)."""
+    qpos = model.qpos0.copy()
+    qpos[:3] = rotation @ np.array([0.0, 0.0, model.body("tractor").pos[2]])
+    qpos[3:7] = quaternion(rotation)
+    qpos[model.joint("lift").qposadr[0]] = RAISED_RAD
+    if scenario.plough is not None:
+        top_m = hitch.top_length_m(work_rad, -work_rad)
+        pitch = hitch.pitch_rad_at(RAISED_RAD, top_m)
+        qpos[model.joint("plough.pitch").qposadr[0]] = pitch
+    return np.asarray(qpos, dtype=np.float64)

@@ -1,0 +1,109 @@
+"""From what MuJoCo recorded to named columns, all at one epoch.
+
+Recorded sensordata and userdata belong to the state before their step; so do all columns made here,
+and nothing is taken from the state after it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.machine.build import Machine
+from twin.machine.trajectory import Trajectory
+from twin.physics import block
+from twin.physics.block import MachineSlot, WheelSlot
+
+Array = NDArray[np.float64]
+
+WHEEL_COLUMNS = {
+    "rolling_radius_m": WheelSlot.ROLLING_RADIUS_M,
+    "slip": WheelSlot.SLIP,
+    "slip_angle_rad": WheelSlot.SLIP_ANGLE_RAD,
+    "load_n": WheelSlot.LOAD_N,
+    "shear_x_n": WheelSlot.SHEAR_X_N,
+    "shear_y_n": WheelSlot.SHEAR_Y_N,
+    "resistance_n": WheelSlot.RESISTANCE_N,
+    "wheel_speed_x_mps": WheelSlot.SPEED_X_MPS,
+    "wheel_speed_y_mps": WheelSlot.SPEED_Y_MPS,
+    "spin_radps": WheelSlot.RATE_RADPS,
+}
+MACHINE_COLUMNS = {
+    "engine_radps": MachineSlot.ENGINE_RADPS,
+    "engine_torque_nm": MachineSlot.ENGINE_TORQUE_NM,
+    "axle_torque_nm": MachineSlot.AXLE_TORQUE_NM,
+    "draft_n": MachineSlot.DRAFT_N,
+    "depth_m": MachineSlot.DEPTH_M,
+    "depth_wheel_n": MachineSlot.DEPTH_WHEEL_N,
+}
+SENSOR_COLUMNS = (
+    "position_w", "world_from_body", "velocity_w", "gyro_b", "imu_accel_b", "cg_velocity_w",
+    "antenna_main_w", "antenna_main_velocity_w", "antenna_aux_w",
+    "fl_steer_rad", "fr_steer_rad", "front_swing_rad", "hitch_rad",
+)  # fmt: skip
+
+
+class Recorder:
+    """Turns records into trajectories, counting the steps so that epochs are exact."""
+
+    def __init__(self, machine: Machine) -> None:
+        model = machine.model
+        self.steps = 0
+        self.step_ns = round(model.opt.timestep * 1e9)
+        self.normal = machine.world_from_ground[:, 2]
+        self.plough = machine.scenario.plough is not None
+        self.sensors = {
+            model.sensor(i).name: slice(adr, adr + dim)
+            for i, (adr, dim) in enumerate(
+                zip(model.sensor_adr.tolist(), model.sensor_dim.tolist(), strict=True)
+            )
+        }
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time recorded so far."""
+        return self.steps * self.step_ns * 1e-9
+
+    def trajectory(self, records: Sequence[dict[Any, NDArray[Any]]]) -> Trajectory:
+        """One trajectory from consecutive records of (1, steps, ...) each."""
+        sensordata = np.concatenate([r["sensordata"][0] for r in records])  # (n, nsensordata)
+        slots = np.concatenate([r["userdata"][0] for r in records])  # (n, nuserdata)
+        n = len(slots)
+        epoch_ns = (self.steps + np.arange(n, dtype=np.int64)) * self.step_ns
+        self.steps += n
+        return Trajectory(epoch_ns, self._columns(sensordata, slots))
+
+    def _columns(self, sensordata: Array, slots: Array) -> dict[str, Array]:
+        def sensor(name: str) -> Array:
+            values = sensordata[:, self.sensors[name]]
+            return values[:, 0] if values.shape[1] == 1 else values
+
+        columns = {name: sensor(name) for name in SENSOR_COLUMNS}
+        for what in ("angle_rad", "rate_radps"):
+            columns[f"wheel_{what}"] = np.stack([sensor(f"{w}_{what}") for w in block.WHEELS], 1)
+        columns["steer_rad"] = 0.5 * (columns["fl_steer_rad"] + columns["fr_steer_rad"])
+        wheels = slots[:, : block.MACHINE_SLOTS].reshape(len(slots), 4, int(WheelSlot.SIZE))
+        machine = slots[:, block.MACHINE_SLOTS :]
+        columns |= {name: wheels[:, :, slot] for name, slot in WHEEL_COLUMNS.items()}
+        columns |= {name: machine[:, slot] for name, slot in MACHINE_COLUMNS.items()}
+        columns["draft_w"] = machine[:, MachineSlot.DRAFT_X_N : MachineSlot.DRAFT_Z_N + 1]
+        columns["ground_normal_w"] = np.broadcast_to(self.normal, (len(slots), 3))
+        columns |= self._laser(sensor, len(slots))
+        return columns
+
+    def _laser(self, sensor: Any, n: int) -> dict[str, Array]:
+        """True range of the depth laser and inclination of its beam's frame; none without a plough."""
+        if not self.plough:
+            names = ("laser_m", "inclination_rad", "plough_pitch_rad")
+            return {name: np.full(n, np.nan) for name in names}
+        w, x, y, z = sensor("plough.world_from_laser").T
+        down = np.stack([-2 * (x * z + w * y), -2 * (y * z - w * x), 2 * (x * x + y * y) - 1], 1)
+        ahead_up = 2 * (x * z - w * y)
+        return {
+            "laser_m": -(sensor("plough.laser_w") @ self.normal) / (down @ self.normal),
+            "inclination_rad": np.arcsin(np.clip(ahead_up, -1.0, 1.0)),
+            "plough_pitch_rad": sensor("plough.pitch_rad"),
+        }

@@ -1,0 +1,67 @@
+"""The ground plane's frame: x along the course, y to its left, z normal; a rotation of the world's."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.scenario import Course, Field
+
+Array = NDArray[np.float64]
+
+
+def world_from_ground(field: Field, course: Course) -> Array:
+    """Rotation matrix R_z(heading) R_y(-grade) R_x(cross slope). Shape (3, 3)."""
+    heading = math.radians(course.heading_deg)
+    grade = math.radians(field.grade_deg)
+    cross = math.radians(field.cross_slope_deg)
+    about_z = np.array(
+        [
+            [math.cos(heading), -math.sin(heading), 0.0],
+            [math.sin(heading), math.cos(heading), 0.0],
+            [0.0, 0.0, 1.0],
+        ]
+    )
+    about_y = np.array(
+        [
+            [math.cos(grade), 0.0, -math.sin(grade)],
+            [0.0, 1.0, 0.0],
+            [math.sin(grade), 0.0, math.cos(grade)],
+        ]
+    )
+    about_x = np.array(
+        [
+            [1.0, 0.0, 0.0],
+            [0.0, math.cos(cross), -math.sin(cross)],
+            [0.0, math.sin(cross), math.cos(cross)],
+        ]
+    )
+    return about_z @ about_y @ about_x
+
+
+def quaternion(rotation: Array) -> Array:
+    """Unit quaternion wxyz of a rotation matrix (Shepperd's branch for the largest component)."""
+    r = rotation
+    squares = np.array(
+        [
+            1.0 + r[0, 0] + r[1, 1] + r[2, 2],
+            1.0 + r[0, 0] - r[1, 1] - r[2, 2],
+            1.0 - r[0, 0] + r[1, 1] - r[2, 2],
+            1.0 - r[0, 0] - r[1, 1] + r[2, 2],
+        ]
+    )
+    k = int(np.argmax(squares))
+    largest = math.sqrt(squares[k])
+    w, x, y = r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]
+    a, b, c = r[0, 1] + r[1, 0], r[0, 2] + r[2, 0], r[1, 2] + r[2, 1]
+    columns = np.array(
+        [
+            [squares[0], w, x, y],
+            [w, squares[1], a, b],
+            [x, a, squares[2], c],
+            [y, b, c, squares[3]],
+        ]
+    )
+    return np.asarray(0.5 * columns[k] / largest)

@@ -1,0 +1,124 @@
+"""Drive a machine along its course, and hand out its trajectory in chunks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from twin.errors import TwinError
+from twin.machine.build import RAISED_RAD, Machine
+from twin.machine.columns import Recorder
+from twin.machine.driver import Hands, Observed, Task, drive
+from twin.machine.trajectory import Trajectory
+from twin.physics import block
+from twin.physics.block import MachineSlot
+
+DECISION_STEPS = 10
+"""Physics steps between two decisions of the driver."""
+CHUNK_DECISIONS = 50
+STALL_MPS = 0.05
+STALL_S = 5.0
+DEPTH_SLOT = block.MACHINE_SLOTS + int(MachineSlot.DEPTH_M)
+
+
+class Diverged(TwinError, ArithmeticError):
+    """The simulation left the finite numbers, or MuJoCo warned."""
+
+
+class Cab:
+    """One simulation with its driver: the only object of a run with a state that changes."""
+
+    def __init__(self, machine: Machine) -> None:
+        self.machine = machine
+        model = machine.model
+        self.batch = Batch(model, nsim=1, nthread=1)
+        self.qpos, self.qvel = self.batch.bind("qpos"), self.batch.bind("qvel")
+        self.ctrl, self.userdata = self.batch.bind("ctrl"), self.batch.bind("userdata")
+        self.dt_s = float(model.opt.timestep)
+        self.controls = [model.actuator(n).id for n in ("throttle", "brake", "steer", "lift")]
+        plough = machine.scenario.plough
+        self.task = Task(
+            wheelbase_m=float(model.body("front_axle").pos[0]),
+            approach_m=machine.scenario.course.approach_m,
+            depth_m=None if plough is None else plough.depth_m,
+            raised_rad=RAISED_RAD,
+            work_rad=machine.work_rad,
+            throttle=machine.throttle,
+        )
+        self.hands = Hands(lift_rad=RAISED_RAD)
+        self._start_rolling()
+
+    def _start_rolling(self) -> None:
+        model, machine = self.machine.model, self.machine
+        self.qpos[0] = machine.start_qpos
+        speed = machine.start_speed_mps
+        self.qvel[0, :3] = machine.world_from_ground @ np.array([speed, 0.0, 0.0])
+        for wheel in block.WHEELS:
+            axle = "front" if wheel[0] == "f" else "rear"
+            radius = machine.numbers[f"tyre_{axle}.free_rolling_radius_m"]
+            self.qvel[0, model.joint(f"{wheel}_spin").dofadr[0]] = speed / radius
+
+    def observe(self) -> Observed:
+        """What the driver sees now."""
+        rotation = self.machine.world_from_ground
+        position = rotation.T @ self.qpos[0, :3]
+        w, x, y, z = self.qpos[0, 3:7]
+        ahead = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])
+        ahead = rotation.T @ ahead
+        return Observed(
+            along_m=float(position[0]),
+            left_m=float(position[1]),
+            heading_rad=math.atan2(ahead[1], ahead[0]),
+            depth_m=float(self.userdata[0, DEPTH_SLOT]),
+        )
+
+    def act(self) -> dict[Any, NDArray[Any]]:
+        """Decide, then run to the next decision; what was recorded after each step."""
+        self.hands = drive(self.task, self.hands, self.observe(), DECISION_STEPS * self.dt_s)
+        values = (self.task.throttle, 0.0, self.hands.steer_rad, self.hands.lift_rad)
+        self.ctrl[0, self.controls] = values
+        return self.batch.rollout(DECISION_STEPS, record=("sensordata", "userdata"))
+
+    def finished(self, seen: Observed) -> bool:
+        """Whether the course has been driven."""
+        course = self.machine.scenario.course
+        start = course.approach_m if self.task.depth_m is None else self.hands.full_depth_at_m
+        return seen.along_m >= start + course.length_m
+
+
+def simulate(machine: Machine, chunk_decisions: int = CHUNK_DECISIONS) -> Iterator[Trajectory]:
+    """Drive the scenario's course; trajectories of about a second each, contiguous.
+
+    Ends at the end of the course, or where the tractor has stalled: slower than 0.05 m/s for 5 s.
+
+    Raises:
+        Diverged: a state is not finite, or MuJoCo warned.
+    """
+    cab, recorder = Cab(machine), Recorder(machine)
+    records: list[dict[Any, NDArray[Any]]] = []
+    standing_s, finished = 0.0, False
+    while not finished:
+        records.append(cab.act())
+        seen = cab.observe()
+        slow = float(np.linalg.norm(cab.qvel[0, :3])) < STALL_MPS
+        standing_s = standing_s + DECISION_STEPS * cab.dt_s if slow else 0.0
+        finished = cab.finished(seen) or standing_s > STALL_S
+        if finished or len(records) == chunk_decisions:
+            _check(cab, recorder.time_s)
+            yield recorder.trajectory(records)
+            records = []
+
+
+def _check(cab: Cab, time_s: float) -> None:
+    warned = np.flatnonzero(cab.batch.warning[0, :, 1])
+    if len(warned):
+        name = mujoco.mjtWarning(int(warned[0])).name
+        raise Diverged(f"MuJoCo warned ({name}) in '{cab.machine.scenario.name}' after {time_s:.2f} s")
+    if not np.all(np.isfinite(cab.qpos)):
+        raise Diverged(f"qpos is not finite in '{cab.machine.scenario.name}' after {time_s:.2f} s")

@@ -1,0 +1,1 @@
+"""The tyre-soil and plough laws and the C callback that runs them inside MuJoCo."""

@@ -1,0 +1,153 @@
+"""The parameter block of a compiled model, and the slot table by which the callback reports.
+
+The block is the last <numeric> of the model. It carries everything the laws need, so a compiled model
+says all about itself, and a Batch can vary it per simulation (`Batch.expand("numeric_data")`).
+The slots are `mjData.userdata`, written at every forward pass: they describe the state it started from.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+MAGIC = 7.714e38
+"""First number of the block; a model without it is left alone, bit for bit."""
+VERSION = 1.0
+WHEELS = ("fl", "fr", "rl", "rr")
+
+
+class Head(IntEnum):
+    """What the block begins with: identity, ground plane, random seed, addresses in the model."""
+
+    MAGIC = 0
+    VERSION = 1
+    NORMAL_X = 2  # unit normal of the ground plane through the world's origin
+    NORMAL_Y = 3
+    NORMAL_Z = 4
+    SEED = 5
+    ORIGIN_X_M = 6  # where on the unbounded field this simulation stands
+    ORIGIN_Y_M = 7
+    THROTTLE = 8  # address of the control
+    BRAKE = 9
+    RATES = 10  # first slot of the activation rates
+    PLOUGH_BODY = 11  # -1 without a plough
+    DEPTH_WHEEL_BODY = 12
+    SIZE = 13
+
+
+class Soil(IntEnum):
+    """Soil under the wheels and the plough; see twin.scenario.Soil for the meaning."""
+
+    LAW = 0
+    FRICTION = 1
+    CONE_INDEX_KPA = 2
+    SLIP_RATE = 3
+    ROLLING_MOMENT = 4
+    MOBILITY_RESISTANCE = 5
+    DRAFT_SCALE = 6
+    DRAFT_CV = 7
+    DRAFT_LENGTH_M = 8
+    SIZE = 9
+
+
+class Wheel(IntEnum):
+    """One wheel: where it is in the model, its size, its springs."""
+
+    BODY = 0
+    SPIN = 1  # address of the joint's velocity
+    TYRE = 2  # actuator of the longitudinal deflection; the lateral one follows
+    BRAKE = 3  # actuator of the brake's wind-up, -1 without a brake
+    DRIVEN = 4
+    WIDTH_M = 5
+    DIAMETER_M = 6
+    DEFLECTION_RATIO = 7
+    FREE_ROLLING_RADIUS_M = 8
+    STIFFNESS_NPM = 9
+    DAMPING_NSPM = 10
+    RELAXATION_LONG_M = 11
+    RELAXATION_LAT_M = 12
+    LATERAL_RATIO = 13
+    SIZE = 14
+
+
+class Engine(IntEnum):
+    """Governed diesel, transmission, brakes; see models/taishan_1404a/README.md."""
+
+    RATED_TORQUE_NM = 0
+    RATED_RPM = 1
+    TORQUE_RISE = 2
+    PEAK_RPM = 3
+    NO_LOAD_RPM = 4
+    IDLE_RPM = 5
+    DROOP_RPM_PER_NM = 6
+    PARASITIC_NM = 7
+    TRANSMISSION_EFFICIENCY = 8
+    GEAR_RATIO = 9
+    BRAKE_TORQUE_NM = 10
+    BRAKE_WINDUP_RAD = 11
+    BRAKE_DAMPING_S = 12
+    SIZE = 13
+
+
+class Plough(IntEnum):
+    """Mould-board plough with a depth wheel; share positions follow the block's other parts."""
+
+    BODIES = 0
+    BODY_WIDTH_M = 1
+    DRAFT_A = 2
+    DRAFT_C = 3
+    VERTICAL_RATIO = 4
+    FORCE_DEPTH_RATIO = 5
+    LANDSIDE_RATIO = 6
+    WHEEL_RADIUS_M = 7
+    WHEEL_STIFFNESS_NPM = 8
+    WHEEL_DAMPING_NSPM = 9
+    WHEEL_RESISTANCE_RATIO = 10
+    SHARES = 11  # x, y, z of each share tip in the plough's frame
+    SIZE = 11 + 3 * 6
+
+
+SOIL = int(Head.SIZE)
+WHEEL = SOIL + int(Soil.SIZE)
+ENGINE = WHEEL + 4 * int(Wheel.SIZE)
+PLOUGH = ENGINE + int(Engine.SIZE)
+SIZE = PLOUGH + int(Plough.SIZE)
+
+
+class WheelSlot(IntEnum):
+    """What the callback reports of one wheel."""
+
+    SLIP = 0
+    SLIP_ANGLE_RAD = 1
+    LOAD_N = 2
+    SHEAR_X_N = 3
+    SHEAR_Y_N = 4
+    RESISTANCE_N = 5
+    ROLLING_MOMENT_NM = 6
+    SINKAGE_M = 7
+    ROLLING_RADIUS_M = 8
+    DEFLECTION_M = 9
+    SPEED_X_MPS = 10
+    SPEED_Y_MPS = 11
+    RATE_RADPS = 12
+    SIZE = 13
+
+
+class MachineSlot(IntEnum):
+    """What the callback reports of engine, plough and ground, after the four wheels."""
+
+    ENGINE_RADPS = 0
+    ENGINE_TORQUE_NM = 1
+    AXLE_TORQUE_NM = 2
+    DRAFT_X_N = 3  # summed soil force on the bodies and the depth wheel, world axes
+    DRAFT_Y_N = 4
+    DRAFT_Z_N = 5
+    DRAFT_N = 6  # its part against the motion
+    DEPTH_M = 7
+    DEPTH_WHEEL_N = 8
+    BRAKE_TORQUE_NM = 9
+    SIZE = 10
+
+
+MACHINE_SLOTS = 4 * int(WheelSlot.SIZE)
+RATE_SLOTS = MACHINE_SLOTS + int(MachineSlot.SIZE)
+"""Slots from here on carry the activation rates from mjcb_passive to mjcb_act_dyn."""

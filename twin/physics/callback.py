@@ -1,0 +1,204 @@
+"""The laws as MuJoCo callbacks: they act in mj_step, rollouts, batches and the viewer alike.
+
+`mjcb_passive` adds the ground's forces on wheels and plough, the engine and the brakes, and reports in
+`userdata`; `mjcb_act_dyn` hands on the rates of the tyres' deflections, which are MuJoCo activations.
+A model without our parameter block is left alone.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from functools import cache
+from typing import Any
+
+import mujoco
+from numba import carray, types
+
+from twin.errors import BadInput
+from twin.physics import block, layout, memory, rigid
+from twin.physics.block import Engine, Head, MachineSlot, Plough, Soil, Wheel, WheelSlot
+from twin.physics.compiled import c_callback, law
+from twin.physics.engine import axle_torque_nm, brake_windup_rate, engine_torque_nm, radps_to_rpm
+from twin.physics.plough import depth_wheel_force, share_force
+from twin.physics.tyre import roll_wheel
+
+_ = layout.offset
+NV, NBODY, NNUMERIC = (_("mjModel", n) for n in ("nv", "nbody", "nnumeric"))
+TIMESTEP = _("mjModel", "opt.timestep")
+NUMERIC_ADR, NUMERIC_SIZE, NUMERIC_DATA = (
+    _("mjModel", n) for n in ("numeric_adr", "numeric_size", "numeric_data")
+)
+ACTUATOR_ACTADR = _("mjModel", "actuator_actadr")
+BODY_DOFADR, BODY_DOFNUM, BODY_PARENTID, BODY_ROOTID, DOF_PARENTID = (
+    _("mjModel", n)
+    for n in ("body_dofadr", "body_dofnum", "body_parentid", "body_rootid", "dof_parentid")
+)
+XPOS, XMAT, CVEL, SUBTREE_COM, CDOF, QVEL, ACT, CTRL, QFRC_PASSIVE, USERDATA = (
+    _("mjData", n)
+    for n in (
+        "xpos", "xmat", "cvel", "subtree_com", "cdof", "qvel", "act", "ctrl", "qfrc_passive", "userdata",
+    )
+)  # fmt: skip
+SOIL, WHEEL, ENGINE, PLOUGH = block.SOIL, block.WHEEL, block.ENGINE, block.PLOUGH
+WHEEL_SIZE, WHEEL_SLOTS = int(Wheel.SIZE), int(WheelSlot.SIZE)
+MACHINE_SLOTS, MAGIC, BLOCK_SIZE = block.MACHINE_SLOTS, block.MAGIC, block.SIZE
+
+
+@law
+def find_block(model):
+    """Address of the parameter block in numeric_data, or -1 for a model that is not ours."""
+    count = memory.size(model, NNUMERIC)
+    if count == 0:
+        return -1
+    if memory.ints(model, NUMERIC_SIZE)[count - 1] != BLOCK_SIZE:
+        return -1
+    address = memory.ints(model, NUMERIC_ADR)[count - 1]
+    if memory.doubles(model, NUMERIC_DATA)[address] != MAGIC:
+        return -1
+    return address
+
+
+@law
+def last_dof(model, body):
+    """The last degree of freedom that moves a body."""
+    count, parent = memory.ints(model, BODY_DOFNUM), memory.ints(model, BODY_PARENTID)
+    while count[body] == 0:
+        body = parent[body]
+    return memory.ints(model, BODY_DOFADR)[body] + count[body] - 1
+
+
+@law
+def drive(parameters, qvel, act, ctrl, passive, dt_s, slots, rates):
+    """Torque of engine and brakes on the rear wheels."""
+    head, engine = parameters, parameters[ENGINE:PLOUGH]
+    left, right = WHEEL + 2 * WHEEL_SIZE, WHEEL + 3 * WHEEL_SIZE
+    spin_l, spin_r = int(parameters[left + Wheel.SPIN]), int(parameters[right + Wheel.SPIN])
+    engine_radps = engine[Engine.GEAR_RATIO] * 0.5 * (qvel[spin_l] + qvel[spin_r])
+    torque = engine_torque_nm(engine, ctrl[int(head[Head.THROTTLE])], radps_to_rpm(engine_radps))
+    axle = axle_torque_nm(engine, torque)
+    passive[spin_l] += 0.5 * axle
+    passive[spin_r] += 0.5 * axle
+    applied, braking = ctrl[int(head[Head.BRAKE])], 0.0
+    for at in (left, right):
+        spin, windup = int(parameters[at + Wheel.SPIN]), int(parameters[at + Wheel.BRAKE])
+        rate = brake_windup_rate(engine, applied, act[windup], qvel[spin])
+        rates[windup] = rate
+        held = act[windup] + dt_s * rate + engine[Engine.BRAKE_DAMPING_S] * rate
+        brake = -applied * engine[Engine.BRAKE_TORQUE_NM] * min(max(held, -1.0), 1.0)
+        passive[spin] += brake
+        braking += brake
+    slots[MachineSlot.ENGINE_RADPS], slots[MachineSlot.ENGINE_TORQUE_NM] = engine_radps, torque
+    slots[MachineSlot.AXLE_TORQUE_NM], slots[MachineSlot.BRAKE_TORQUE_NM] = axle, braking
+
+
+@law
+def pull_plough(model, parameters, xpos, xmat, cvel, com, cdof, parent, passive, slots):
+    """Soil forces on the plough's bodies and its depth wheel."""
+    head, soil, plough = parameters, parameters[SOIL:WHEEL], parameters[PLOUGH:]
+    frame, wheel = int(head[Head.PLOUGH_BODY]), int(head[Head.DEPTH_WHEEL_BODY])
+    root, dof = memory.ints(model, BODY_ROOTID)[frame], last_dof(model, frame)
+    normal = (head[Head.NORMAL_X], head[Head.NORMAL_Y], head[Head.NORMAL_Z])
+    none, total, depth_sum = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+    left = rigid.axis(xmat, frame, 1)
+    left = rigid.unit(rigid.minus(left, rigid.scaled(rigid.dot(left, normal), normal)))
+    for i in range(int(plough[Plough.BODIES])):
+        at = Plough.SHARES + 3 * i
+        tip = rigid.to_world(xpos, xmat, frame, (plough[at], plough[at + 1], plough[at + 2]))
+        velocity = rigid.point_velocity(cvel, com, frame, root, tip)
+        force, depth = share_force(head, soil, plough, tip, velocity, normal, left)
+        above_tip = depth * (1.0 - plough[Plough.FORCE_DEPTH_RATIO])
+        point = rigid.plus(tip, rigid.scaled(above_tip, normal))
+        rigid.push(passive, cdof, parent, dof, com, root, point, force, none)
+        total, depth_sum = rigid.plus(total, force), depth_sum + depth
+    hub = rigid.row3(xpos, wheel)
+    velocity = rigid.point_velocity(cvel, com, wheel, root, hub)
+    force, load = depth_wheel_force(plough, hub, velocity, normal)
+    rigid.push(passive, cdof, parent, dof, com, root, hub, force, none)
+    total = rigid.plus(total, force)
+    slots[MachineSlot.DRAFT_X_N], slots[MachineSlot.DRAFT_Y_N], slots[MachineSlot.DRAFT_Z_N] = total
+    slots[MachineSlot.DRAFT_N] = -rigid.dot(total, rigid.cross(left, normal))
+    slots[MachineSlot.DEPTH_M] = depth_sum / plough[Plough.BODIES]
+    slots[MachineSlot.DEPTH_WHEEL_N] = load
+
+
+@law
+def ground_forces(model, data):
+    """All forces of ground, engine and brakes, added to qfrc_passive."""
+    address = find_block(model)
+    if address < 0:
+        return
+    parameters = carray(memory.doubles(model, NUMERIC_DATA), address + BLOCK_SIZE)[address:]
+    nv, nbody = memory.size(model, NV), memory.size(model, NBODY)
+    xpos, xmat = carray(memory.doubles(data, XPOS), (nbody, 3)), carray(memory.doubles(data, XMAT), (nbody, 9))
+    cvel = carray(memory.doubles(data, CVEL), (nbody, 6))
+    com = carray(memory.doubles(data, SUBTREE_COM), (nbody, 3))
+    cdof, parent = carray(memory.doubles(data, CDOF), (nv, 6)), memory.ints(model, DOF_PARENTID)
+    qvel, passive = memory.doubles(data, QVEL), memory.doubles(data, QFRC_PASSIVE)
+    act, ctrl = memory.doubles(data, ACT), memory.doubles(data, CTRL)
+    rate_slots = int(parameters[Head.RATES])
+    slots = carray(memory.doubles(data, USERDATA), rate_slots + 64)
+    rates = slots[rate_slots:]
+    dt_s = memory.double(model, TIMESTEP)
+    for w in range(4):
+        wheel = parameters[WHEEL + w * WHEEL_SIZE : WHEEL + (w + 1) * WHEEL_SIZE]
+        body = int(wheel[Wheel.BODY])
+        root = memory.ints(model, BODY_ROOTID)[body]
+        force, torque = roll_wheel(
+            parameters, parameters[SOIL:WHEEL], wheel, xpos, xmat, cvel, com, root, act, dt_s,
+            slots[w * WHEEL_SLOTS : (w + 1) * WHEEL_SLOTS], rates,
+        )  # fmt: skip
+        rigid.push(
+            passive, cdof, parent, last_dof(model, body), com, root, rigid.row3(xpos, body), force, torque
+        )
+    machine = slots[MACHINE_SLOTS:rate_slots]
+    machine[:] = 0.0
+    drive(parameters, qvel, act, ctrl, passive, dt_s, machine, rates)
+    if parameters[Head.PLOUGH_BODY] >= 0.0:
+        pull_plough(model, parameters, xpos, xmat, cvel, com, cdof, parent, passive, machine)
+
+
+@law
+def activation_rate(model, data, actuator):
+    """Rate of one of our activations, as the passive callback left it; 0 for a foreign model."""
+    address = find_block(model)
+    if address < 0:
+        return 0.0
+    rate_slots = int(memory.doubles(model, NUMERIC_DATA)[address + Head.RATES])
+    return memory.doubles(data, USERDATA)[rate_slots + memory.ints(model, ACTUATOR_ACTADR)[actuator]]
+
+
+@cache
+def _callbacks() -> tuple[Any, Any]:
+    """The compiled callbacks as C functions; kept, because MuJoCo holds only their addresses."""
+    passive = c_callback(types.void(types.voidptr, types.voidptr))(_passive)
+    act_dyn = c_callback(types.float64(types.voidptr, types.voidptr, types.int32))(_act_dyn)
+    return (
+        ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(passive.address),
+        ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int)(
+            act_dyn.address
+        ),
+    )
+
+
+def _passive(model: Any, data: Any) -> None:
+    ground_forces(model, data)
+
+
+def _act_dyn(model: Any, data: Any, actuator: Any) -> Any:
+    return activation_rate(model, data, actuator)
+
+
+def install() -> None:
+    """Install the laws as MuJoCo's callbacks, once per process.
+
+    Raises:
+        BadInput: another library has installed its own.
+    """
+    passive, act_dyn = _callbacks()
+    for name, ours, getter, setter in (
+        ("mjcb_passive", passive, mujoco.get_mjcb_passive, mujoco.set_mjcb_passive),
+        ("mjcb_act_dyn", act_dyn, mujoco.get_mjcb_act_dyn, mujoco.set_mjcb_act_dyn),
+    ):
+        if getter() is not None and getter() is not ours:
+            raise BadInput(f"{name} is already taken by other code in this process")
+        setter(ours)

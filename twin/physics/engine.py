@@ -1,0 +1,64 @@
+"""A diesel with a mechanical governor, and brakes."""
+
+from __future__ import annotations
+
+import math
+
+from twin.physics.block import Engine
+from twin.physics.compiled import law
+
+MOTORING_NM = 60.0
+"""Drag of the unfuelled engine beside its parasitic torque [N m]; assumed."""
+
+
+@law
+def full_load_torque_nm(engine, rpm):
+    """Full-load torque: a parabola through peak and rated torque, falling to nothing at a stall.
+
+    T = T_p - (T_p - T_r) ((n - n_p) / (n_r - n_p))**2 ;  T_p = T_r (1 + rise)
+    """
+    rated = engine[Engine.RATED_TORQUE_NM]
+    peak = rated * engine[Engine.TORQUE_RISE]
+    u = (rpm - engine[Engine.PEAK_RPM]) / (engine[Engine.RATED_RPM] - engine[Engine.PEAK_RPM])
+    return max(0.0, peak - (peak - rated) * u * u)
+
+
+@law
+def engine_torque_nm(engine, throttle, rpm):
+    """Torque of the governed engine: droop from the no-load set speed, within the full-load curve.
+
+        n0 = n_idle + throttle (n_max - n_idle)
+        T  = (n0 - n) / (droop n_max / n0)      between -motoring drag and the full-load torque
+
+    The droop grows as 1/n0 because a flyweight's force falls with the square of its speed.
+    """
+    idle, top = engine[Engine.IDLE_RPM], engine[Engine.NO_LOAD_RPM]
+    set_rpm = idle + throttle * (top - idle)
+    droop = engine[Engine.DROOP_RPM_PER_NM] * top / set_rpm
+    torque = (set_rpm - rpm) / droop
+    return min(max(torque, -MOTORING_NM), full_load_torque_nm(engine, rpm))
+
+
+@law
+def axle_torque_nm(engine, torque_nm):
+    """Torque at the driven axle: the rest after parasitic load, through the transmission.
+
+    Losses act against the flow of power, so the efficiency divides when the wheels drive the engine.
+    """
+    net = torque_nm - engine[Engine.PARASITIC_NM]
+    eta = engine[Engine.TRANSMISSION_EFFICIENCY]
+    return net * engine[Engine.GEAR_RATIO] * (eta if net > 0.0 else 1.0 / eta)
+
+
+@law
+def brake_windup_rate(engine, applied, windup, rate_radps):
+    """Rate of a brake's wind-up u in [-1, 1] (Dahl): du/dt = (w - |w| u) / u_max; lets go in 0.1 s."""
+    if applied <= 0.0:
+        return -windup / 0.1
+    return (rate_radps - abs(rate_radps) * windup) / engine[Engine.BRAKE_WINDUP_RAD]
+
+
+@law
+def radps_to_rpm(rate_radps):
+    """Revolutions per minute."""
+    return rate_radps * 30.0 / math.pi

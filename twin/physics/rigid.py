@@ -1,0 +1,98 @@
+"""Vectors as tuples, velocities of points, and forces on bodies, in MuJoCo's com-based coordinates."""
+
+from __future__ import annotations
+
+import math
+
+from twin.physics.compiled import law
+
+
+@law
+def dot(a, b):
+    """a . b"""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@law
+def cross(a, b):
+    """a x b"""
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+@law
+def scaled(k, a):
+    """k a"""
+    return (k * a[0], k * a[1], k * a[2])
+
+
+@law
+def plus(a, b):
+    """a + b"""
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+@law
+def minus(a, b):
+    """a - b"""
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+@law
+def unit(a):
+    """a / |a|"""
+    return scaled(1.0 / math.sqrt(dot(a, a)), a)
+
+
+@law
+def row3(array, i):
+    """Row i of an (n, 3) array as a tuple."""
+    return (array[i, 0], array[i, 1], array[i, 2])
+
+
+@law
+def axis(xmat, body, k):
+    """Axis k of a body's frame, in world coordinates."""
+    return (xmat[body, k], xmat[body, 3 + k], xmat[body, 6 + k])
+
+
+@law
+def to_world(xpos, xmat, body, point_b):
+    """World position of a point given in a body's frame."""
+    return (
+        xpos[body, 0] + xmat[body, 0] * point_b[0] + xmat[body, 1] * point_b[1] + xmat[body, 2] * point_b[2],
+        xpos[body, 1] + xmat[body, 3] * point_b[0] + xmat[body, 4] * point_b[1] + xmat[body, 5] * point_b[2],
+        xpos[body, 2] + xmat[body, 6] * point_b[0] + xmat[body, 7] * point_b[1] + xmat[body, 8] * point_b[2],
+    )
+
+
+@law
+def angular_velocity(cvel, body):
+    """Angular velocity of a body, world axes."""
+    return (cvel[body, 0], cvel[body, 1], cvel[body, 2])
+
+
+@law
+def point_velocity(cvel, com, body, root, point):
+    """Velocity of a world point that moves with a body; `com` is subtree_com, `root` the tree's root."""
+    linear = (cvel[body, 3], cvel[body, 4], cvel[body, 5])
+    return plus(linear, cross(angular_velocity(cvel, body), minus(point, row3(com, root))))
+
+
+@law
+def push(force_out, cdof, parent, last_dof, com, root, point, force, torque):
+    """Add a force at a world point and a torque to generalised forces, along the chain of dofs.
+
+    q_j += w_j . (torque + (point - com) x force) + v_j . force
+    """
+    moment = plus(torque, cross(minus(point, row3(com, root)), force))
+    j = last_dof
+    while j >= 0:
+        force_out[j] += (
+            cdof[j, 0] * moment[0] + cdof[j, 1] * moment[1] + cdof[j, 2] * moment[2]
+            + cdof[j, 3] * force[0] + cdof[j, 4] * force[1] + cdof[j, 5] * force[2]
+        )  # fmt: skip
+        j = parent[j]

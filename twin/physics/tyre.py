@@ -1,0 +1,107 @@
+"""One wheel on the ground: vertical spring, relaxing deflections, and the soil law's forces."""
+
+from __future__ import annotations
+
+import math
+
+from twin.physics import rigid
+from twin.physics.block import Head, Soil, Wheel, WheelSlot
+from twin.physics.brixius import brixius
+from twin.physics.compiled import law
+
+SIGN_SPEED_MPS = 0.03
+"""Speed over which motion resistance changes sign [m/s]: 1 % slip at ploughing speed is about half."""
+SHEAR_DAMPING_S = 0.01
+"""Damping of the deflection over its stiffness [s]: keeps a parked wheel from ringing; no steady force."""
+RADIUS_PER_DEFLECTION = 1.0 / 3.0
+"""Loss of rolling radius per deflection; a bias tyre's circumference shortens by a third of it."""
+LIFTED_S = 0.05
+"""Time in which the deflections of a lifted wheel vanish [s]."""
+
+
+@law
+def smooth_sign(speed, width):
+    """speed / sqrt(speed**2 + width**2)"""
+    return speed / math.sqrt(speed * speed + width * width)
+
+
+@law
+def relaxed_shear(soil, wheel, load_n, spin_mps, roll_mps, side_mps, u_x, u_y, dt_s):
+    """Forces of a tyre whose contact patch lags by its deflections u, and the deflections' rates.
+
+        du/dt = v_slip - V u / L        V = max(|w R|, |v_x|, |v_y|)
+        slip of the patch = u / L       F = law(u / L) + k tau du/dt
+
+    In steady state u / L is the slip of the law's own definition; at rest u is a spring, so a parked
+    wheel sticks. The force is taken at the end of the step (u + dt du/dt), which keeps the pair
+    velocity-deflection from gaining energy. |F| stays within the law's own ceiling.
+
+    Returns:
+        shear_x_n, shear_y_n, resistance_n, rolling_moment_n, sinkage_m, rate_x, rate_y [m/s].
+    """
+    long_m, lat_m = wheel[Wheel.RELAXATION_LONG_M], wheel[Wheel.RELAXATION_LAT_M]
+    travel = max(abs(spin_mps), abs(roll_mps), abs(side_mps))
+    rate_x = (spin_mps - roll_mps) - travel * u_x / long_m
+    rate_y = -side_mps - travel * u_y / lat_m
+    slip, side_slip = (u_x + dt_s * rate_x) / long_m, (u_y + dt_s * rate_y) / lat_m
+    x, y, resistance, rolling, sinkage = brixius(soil, wheel, load_n, slip, side_slip)
+    ceiling = load_n * soil[Soil.FRICTION]
+    stiffness = ceiling * soil[Soil.SLIP_RATE] * SHEAR_DAMPING_S
+    x += stiffness / long_m * rate_x
+    y += stiffness * wheel[Wheel.LATERAL_RATIO] / lat_m * rate_y
+    size = math.sqrt(x * x + y * y)
+    if size > ceiling:
+        x, y = x * ceiling / size, y * ceiling / size
+    return x, y, resistance, rolling, sinkage, rate_x, rate_y
+
+
+@law
+def roll_wheel(head, soil, wheel, xpos, xmat, cvel, com, root, act, dt_s, slots, rates):
+    """Force and torque of the ground on one wheel, at its hub; fills its slots and rates.
+
+    Returns:
+        force, torque: world axes, tuples; zero for a lifted wheel.
+    """
+    body, tyre = int(wheel[Wheel.BODY]), int(wheel[Wheel.TYRE])
+    hub = rigid.row3(xpos, body)
+    normal = (head[Head.NORMAL_X], head[Head.NORMAL_Y], head[Head.NORMAL_Z])
+    axle = rigid.axis(xmat, body, 1)
+    ahead = rigid.unit(rigid.cross(axle, normal))
+    left = rigid.cross(normal, ahead)
+    velocity = rigid.point_velocity(cvel, com, body, root, hub)
+    roll, side = rigid.dot(velocity, ahead), rigid.dot(velocity, left)
+    rate = rigid.dot(rigid.angular_velocity(cvel, body), axle)
+    deflection = 0.5 * wheel[Wheel.DIAMETER_M] - rigid.dot(hub, normal)
+    load = (
+        wheel[Wheel.STIFFNESS_NPM] * deflection
+        - wheel[Wheel.DAMPING_NSPM] * rigid.dot(velocity, normal)
+    )
+    u_x, u_y = act[tyre], act[tyre + 1]
+    slots[:] = 0.0
+    slots[WheelSlot.RATE_RADPS] = rate
+    slots[WheelSlot.SPEED_X_MPS], slots[WheelSlot.SPEED_Y_MPS] = roll, side
+    radius = wheel[Wheel.FREE_ROLLING_RADIUS_M] - RADIUS_PER_DEFLECTION * max(deflection, 0.0)
+    slots[WheelSlot.ROLLING_RADIUS_M] = radius
+    spin = rate * radius
+    slots[WheelSlot.SLIP] = (spin - roll) / max(abs(spin), abs(roll), 0.05)
+    slots[WheelSlot.SLIP_ANGLE_RAD] = math.atan2(-side, abs(roll))
+    if deflection <= 0.0 or load <= 1.0:
+        rates[tyre], rates[tyre + 1] = -u_x / LIFTED_S, -u_y / LIFTED_S
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    x, y, resistance, rolling, sinkage, rates[tyre], rates[tyre + 1] = relaxed_shear(
+        soil, wheel, load, spin, roll, side, u_x, u_y, dt_s
+    )
+    resistance *= smooth_sign(roll, SIGN_SPEED_MPS)
+    moment = rolling * radius * smooth_sign(spin, SIGN_SPEED_MPS)
+    slots[WheelSlot.LOAD_N], slots[WheelSlot.DEFLECTION_M] = load, deflection
+    slots[WheelSlot.SHEAR_X_N], slots[WheelSlot.SHEAR_Y_N] = x, y
+    slots[WheelSlot.RESISTANCE_N], slots[WheelSlot.ROLLING_MOMENT_NM] = resistance, moment
+    slots[WheelSlot.SINKAGE_M] = sinkage
+    force = rigid.plus(
+        rigid.scaled(x - resistance, ahead),
+        rigid.plus(rigid.scaled(y, left), rigid.scaled(load, normal)),
+    )
+    # the shear's arm about the axle is the rolling radius, about the rolling direction the loaded one
+    overturning = (0.5 * wheel[Wheel.DIAMETER_M] - deflection) * y
+    torque = rigid.plus(rigid.scaled(-x * radius - moment, axle), rigid.scaled(overturning, ahead))
+    return force, torque

@@ -1,0 +1,76 @@
+"""Frozen dataclasses to and from plain JSON values, by their own annotations."""
+
+from __future__ import annotations
+
+import dataclasses
+import types
+import typing
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
+from twin.errors import BadInput
+
+T = TypeVar("T")
+
+
+def to_plain(value: Any) -> Any:
+    """A dataclass, mapping, sequence or scalar as dict, list and scalar."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {f.name: to_plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
+    if isinstance(value, Mapping):
+        return {str(k): to_plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [to_plain(v) for v in value]
+    return value
+
+
+def from_plain(kind: type[T], value: Any) -> T:
+    """The dataclass `kind` from what `to_plain` made of it.
+
+    Raises:
+        BadInput: a field is unknown, missing or of another shape. What the dataclass itself
+            refuses (`OutOfRange`) passes through.
+    """
+    if not isinstance(value, Mapping):
+        raise BadInput(f"{kind.__name__} is {type(value).__name__}, not an object of fields")
+    hints = typing.get_type_hints(kind)
+    names = {f.name for f in dataclasses.fields(kind) if f.init}  # type: ignore[arg-type]
+    for key in value:
+        if key not in names:
+            raise BadInput(f"{kind.__name__} has no field '{key}'; there are: {', '.join(names)}")
+    try:
+        return kind(**{key: _shaped(hints[key], item) for key, item in value.items()})
+    except TypeError as error:
+        raise BadInput(f"{kind.__name__} cannot be made: {error}") from None
+
+
+def _shaped(hint: Any, value: Any) -> Any:
+    if value is None:
+        return None
+    if typing.get_origin(hint) is typing.Annotated:
+        return _shaped(typing.get_args(hint)[0], value)
+    if typing.get_origin(hint) in (typing.Union, types.UnionType):
+        return _shaped(_member(typing.get_args(hint), value), value)
+    if dataclasses.is_dataclass(hint) and isinstance(hint, type):
+        return from_plain(hint, value)
+    if typing.get_origin(hint) is tuple and isinstance(value, list):
+        inner = typing.get_args(hint)
+        if len(inner) == 2 and inner[1] is Ellipsis:
+            return tuple(_shaped(inner[0], v) for v in value)
+        return tuple(_shaped(h, v) for h, v in zip(inner, value, strict=False))
+    if hint is float and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    return value
+
+
+def _member(members: tuple[Any, ...], value: Any) -> Any:
+    """The member of a union that holds the value: by field names for objects, by kind otherwise."""
+    if isinstance(value, Mapping):
+        for member in members:
+            if dataclasses.is_dataclass(member) and isinstance(member, type):
+                if set(value) <= {f.name for f in dataclasses.fields(member)}:
+                    return member
+        return dict
+    if isinstance(value, list):
+        return next((m for m in members if typing.get_origin(m) is tuple), list)
+    return next((m for m in members if m is type(value)), float)

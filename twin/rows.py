@@ -1,0 +1,43 @@
+"""Rows of measured figures, as `bench` and the studies write them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from twin.errors import BadInput
+
+REQUIRED = ("case", "quantity", "ours")
+OPTIONAL = ("published", "reference", "low", "high", "unit", "passed")
+
+
+def to_json(rows: Iterable[Mapping[str, Any]]) -> str:
+    """`{"rows": [...]}` as JSON text.
+
+    Raises:
+        BadInput: a row lacks `case`, `quantity` or `ours`, or has a key of another name.
+    """
+    checked = [_checked(number, row) for number, row in enumerate(rows)]
+    return json.dumps({"rows": checked}, indent=1, allow_nan=False)
+
+
+def write(rows: Iterable[Mapping[str, Any]], path: Path) -> None:
+    """Write rows to a JSON file. Raises BadInput as `to_json`, or when the file cannot be made."""
+    text = to_json(rows)
+    try:
+        path.write_text(text + "\n")
+    except OSError as error:
+        raise BadInput(f"{path} cannot be written: {error.strerror}") from None
+
+
+def _checked(number: int, row: Mapping[str, Any]) -> dict[str, Any]:
+    missing = [key for key in REQUIRED if key not in row]
+    if missing:
+        raise BadInput(f"row {number} has no '{missing[0]}'; it needs {', '.join(REQUIRED)}")
+    for key in row:
+        if key not in (*REQUIRED, *OPTIONAL):
+            allowed = ", ".join((*REQUIRED, *OPTIONAL))
+            raise BadInput(f"row {number} has an unknown key '{key}'; there are: {allowed}")
+    return dict(row)

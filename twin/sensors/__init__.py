@@ -1,0 +1,31 @@
+"""Sensors: from a chunk of trajectory to the samples a real machine's would give.
+
+Each module turns noise-free quantities into one sensor's stream: a frozen configuration, and
+`init(config, seed, start_ns) -> state`, `sample(config, state, chunk) -> (state, Table)`.
+`suite` runs them together, `nominal` says what an estimator is told of them.
+"""
+
+from twin.sensors.depth import Depth
+from twin.sensors.fix import Outage
+from twin.sensors.gnss import Gnss
+from twin.sensors.imu import Imu
+from twin.sensors.machine import Bus
+from twin.sensors.nominal import Geometry, setup
+from twin.sensors.suite import Sensors, SuiteState, ideal, init, sample
+from twin.sensors.wheels import Wheels
+
+__all__ = [
+    "Bus",
+    "Depth",
+    "Geometry",
+    "Gnss",
+    "Imu",
+    "Outage",
+    "Sensors",
+    "SuiteState",
+    "Wheels",
+    "ideal",
+    "init",
+    "sample",
+    "setup",
+]

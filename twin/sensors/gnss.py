@@ -1,0 +1,301 @@
+"""Dual-antenna RTK GNSS: position, Doppler velocity, heading of the antenna baseline."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import hypot, pi, radians
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from twin.sensors.checks import check_fields
+from twin.sensors.fix import QUALITY, Mode, Outage, Timeline, active, check_outages, timeline
+from twin.sensors.noise import Array, GaussMarkov, advance, gauss_markov, generator
+from twin.sensors.sampling import Reader, arrivals, read, reader
+from twin.streams import Table
+
+if TYPE_CHECKING:
+    from twin.machine.trajectory import Trajectory
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gnss:
+    """A receiver with two antennas; the data sheet's values, then the true errors and faults.
+
+    Standard deviations are per horizontal axis; the vertical is `vertical_factor` times worse.
+    """
+
+    rate_hz: float = 20.0
+    """Output rate, Hz."""
+    latency_s: float = 0.05
+    """From the epoch to arrival, s; 20 ms in a low-latency mode, up to 0.5 s synchronous."""
+    latency_jitter_s: float = 0.002
+    """Scale of the latency's scatter, s."""
+    white_sd_m: float = 0.004
+    """White part of a fixed position, m; 3-5 mm."""
+    coloured_sd_m: float = 0.0065
+    """Coloured part of a fixed position, m; 5-8 mm. With the white part 8 mm, the rms of a
+    UM980-class receiver near its base."""
+    coloured_tau_s: float = 60.0
+    """Correlation time of the coloured part, s."""
+    vertical_factor: float = 2.0
+    """Vertical error over horizontal error."""
+    velocity_sd_mps: float = 0.03
+    """White noise of the Doppler velocity, m/s; 0.02-0.04."""
+    heading_sd_rad_m: float = radians(0.2)
+    """Noise of the heading times the length of the baseline, rad m; 0.1-0.2 deg at 1 m."""
+    extrapolation_sd_mps: float = 0.01
+    """Growth of the error without corrections, m/s: 1 cm per second of age."""
+    float_sd_m: float = 0.35
+    """Error of a float solution, m; 0.2-0.5."""
+    float_tau_s: float = 60.0
+    """Its correlation time, s; 30-100."""
+    single_sd_m: float = 1.5
+    """Error of a single-point solution, m; 0.4-2.5."""
+    single_tau_s: float = 60.0
+    """Its correlation time, s."""
+    masked_velocity_factor: float = 3.0
+    """Velocity noise with few satellites over that with all (assumed)."""
+    satellites_main: float = 28.0
+    """Mean number of satellites used by the main antenna."""
+    satellites_aux: float = 26.0
+    """Mean number used by the auxiliary antenna."""
+    satellites_masked: float = 6.0
+    """Mean number used by a masked antenna."""
+    heading_bias_rad: float = 0.0
+    """True error of the baseline's mounting angle, rad."""
+    heading_bias_sd_rad: float = radians(0.1)
+    """sd of a further such error, drawn once from the seed, rad."""
+    lever_arm_error_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """True position of the antennas less the one in the set-up, body axes, m."""
+    outages: tuple[Outage, ...] = ()
+    """Scheduled faults, one after the other."""
+
+    def __post_init__(self) -> None:
+        check_fields(
+            "gnss",
+            self,
+            {
+                "rate_hz": (0.1, 100),
+                "latency_s": (0, 5),
+                "latency_jitter_s": (0, 1),
+                "white_sd_m": (0, 10),
+                "coloured_sd_m": (0, 10),
+                "coloured_tau_s": (0.01, 1e5),
+                "vertical_factor": (0, 10),
+                "velocity_sd_mps": (0, 10),
+                "heading_sd_rad_m": (0, 1),
+                "extrapolation_sd_mps": (0, 1),
+                "float_sd_m": (0, 10),
+                "float_tau_s": (0.01, 1e5),
+                "single_sd_m": (0, 100),
+                "single_tau_s": (0.01, 1e5),
+                "masked_velocity_factor": (1, 100),
+                "satellites_main": (0, 100),
+                "satellites_aux": (0, 100),
+                "satellites_masked": (0, 100),
+                "heading_bias_rad": (-0.5, 0.5),
+                "heading_bias_sd_rad": (0, 0.5),
+                "lever_arm_error_m": (-5, 5),
+            },
+        )
+        check_outages(self.outages)
+
+    @property
+    def position_sd_m(self) -> float:
+        """Error of a fixed position per horizontal axis, m."""
+        return hypot(self.white_sd_m, self.coloured_sd_m)
+
+
+COLOURED = ("fixed", "float", "single", "satellites")
+WHITE = ("white", "velocity", "heading", "latency")
+
+
+@dataclass(frozen=True, kw_only=True)
+class GnssState:
+    """Where the receiver stands, and what was drawn for this run."""
+
+    start_ns: int
+    reader: Reader
+    arrival_ns: int
+    timeline: Timeline
+    heading_bias_rad: float
+    coloured: dict[str, GaussMarkov]
+    white: dict[str, Generator]
+
+
+def init(config: Gnss, seed: int, start_ns: int) -> GnssState:
+    """The receiver at the start of a run, fixed; the faults' course is drawn here."""
+    axes = _axes(config)
+    processes = {
+        "fixed": (config.coloured_sd_m * axes, config.coloured_tau_s),
+        "float": (config.float_sd_m * axes, config.float_tau_s),
+        "single": (config.single_sd_m * axes, config.single_tau_s),
+        "satellites": (np.full(2, 1.0), 60.0),
+    }
+    drawn = float(generator(seed, "gnss", "heading bias").standard_normal())
+    return GnssState(
+        start_ns=start_ns,
+        reader=reader(start_ns, config.rate_hz),
+        arrival_ns=start_ns,
+        timeline=timeline(
+            config.outages, config.extrapolation_sd_mps * axes, generator(seed, "gnss", "faults")
+        ),
+        heading_bias_rad=config.heading_bias_rad + config.heading_bias_sd_rad * drawn,
+        coloured={n: gauss_markov(generator(seed, "gnss", n), *processes[n]) for n in COLOURED},
+        white={n: generator(seed, "gnss", n) for n in WHITE},
+    )
+
+
+NAMES = (
+    "antenna_main_w", "antenna_main_velocity_w", "antenna_aux_w", "world_from_body", "gyro_b",
+)  # fmt: skip
+
+
+def sample(config: Gnss, state: GnssState, chunk: Trajectory) -> tuple[GnssState, Table]:
+    """Positions, velocities and headings of the chunk.
+
+    Every noise term is drawn at every epoch whatever the mode, so a fault changes nothing
+    outside itself and its recovery.
+    """
+    position, epoch_ns, at = read(state.reader, chunk, NAMES)
+    time_s: Array = (epoch_ns - state.start_ns) * np.float64(1e-9)
+    count = len(epoch_ns)
+    coloured, colours = {}, {}
+    for name in COLOURED:
+        step_s = np.full(count, 1.0 / config.rate_hz)
+        coloured[name], colours[name] = advance(state.coloured[name], step_s)
+    draws = {n: state.white[n].standard_normal((count, 3)) for n in WHITE}
+
+    arm_w = rotate(at["world_from_body"], np.asarray(config.lever_arm_error_m))
+    swing_w = rotate(at["world_from_body"], _cross(at["gyro_b"], config.lever_arm_error_m))
+    delay_s = config.latency_s + config.latency_jitter_s * np.abs(draws["latency"][:, 0])
+    last_ns, arrival_ns = arrivals(state.arrival_ns, epoch_ns, delay_s)
+    table: Table = {"epoch_ns": epoch_ns, "arrival_ns": arrival_ns}
+    table |= _position(config, state, time_s, at["antenna_main_w"] + arm_w, colours, draws["white"])
+    table |= _velocity(config, time_s, at["antenna_main_velocity_w"] + swing_w, draws["velocity"])
+    baseline_w = at["antenna_aux_w"] - at["antenna_main_w"]
+    table |= _heading(config, state, time_s, baseline_w, draws["heading"][:, 0])
+    table |= _satellites(config, time_s, colours["satellites"])
+    return replace(state, reader=position, arrival_ns=last_ns, coloured=coloured), table
+
+
+def _axes(config: Gnss) -> Array:
+    return np.array([1.0, 1.0, config.vertical_factor])
+
+
+def _position(
+    config: Gnss,
+    state: GnssState,
+    time_s: Array,
+    antenna_w: Array,
+    colours: dict[str, Array],
+    white: Array,
+) -> Table:
+    """Position of the main antenna.
+
+    fixed         truth + white + coloured
+    extrapolated  the same + drift age
+    float, single truth + white + that mode's own coloured error
+    none          NaN
+    """
+    mode, age_s, drift_mps = state.timeline.at(time_s)
+    extrapolated = mode == Mode.EXTRAPOLATED
+    kept_s = np.where(extrapolated, age_s, 0.0)
+    modes = [mode == Mode.FLOAT, mode == Mode.SINGLE, mode == Mode.NONE]
+    errors_m = [colours["float"], colours["single"], np.full_like(white, np.nan)]
+    fixed_m = colours["fixed"] + drift_mps * kept_s[:, None]
+    coloured_m = np.select([m[:, None] for m in modes], errors_m, fixed_m)
+    position_w = antenna_w + config.white_sd_m * _axes(config) * white + coloured_m
+    known_m = np.hypot(config.coloured_sd_m, config.extrapolation_sd_mps * kept_s)
+    sd_m = np.select(modes, [config.float_sd_m, config.single_sd_m, np.nan], known_m)
+    return {
+        "east_m": position_w[:, 0],
+        "north_m": position_w[:, 1],
+        "up_m": position_w[:, 2],
+        "quality": QUALITY[mode],
+        "position_sd_m": np.hypot(config.white_sd_m, sd_m),
+    }
+
+
+def _velocity(config: Gnss, time_s: Array, velocity_w: Array, white: Array) -> Table:
+    """Doppler velocity of the main antenna; needs no corrections, suffers with few satellites."""
+    masked = active(config.outages, ("mask",), time_s)
+    sd_mps = config.velocity_sd_mps * np.where(masked, config.masked_velocity_factor, 1.0)
+    sd_mps = np.where(active(config.outages, ("block",), time_s), np.nan, sd_mps)
+    measured = velocity_w + sd_mps[:, None] * _axes(config) * white
+    return {
+        "v_east_mps": measured[:, 0],
+        "v_north_mps": measured[:, 1],
+        "v_up_mps": measured[:, 2],
+        "velocity_sd_mps": sd_mps,
+    }
+
+
+def _heading(
+    config: Gnss, state: GnssState, time_s: Array, baseline_w: Array, white: Array
+) -> Table:
+    """Direction from the main to the auxiliary antenna in the horizontal plane, in (-pi, pi].
+
+        heading = atan2(north, east) + bias + (sd / length) white
+
+    Relative between the two antennas, so it needs no corrections, but both must see the sky.
+    """
+    east, north, up = baseline_w[:, 0].copy(), baseline_w[:, 1].copy(), baseline_w[:, 2]
+    length_m = np.sqrt(east * east + north * north + up * up)
+    seen = ~active(config.outages, ("mask", "mask-aux", "block"), time_s) & (length_m > 1e-3)
+    sd_rad = np.where(seen, config.heading_sd_rad_m / np.where(seen, length_m, 1.0), np.nan)
+    heading_rad = np.arctan2(north, east) + state.heading_bias_rad + sd_rad * white
+    return {"heading_rad": wrap(heading_rad), "heading_sd_rad": sd_rad}
+
+
+def _satellites(config: Gnss, time_s: Array, colour: Array) -> Table:
+    """Satellites used by each antenna: a slowly varying whole number about its mean."""
+    blocked = active(config.outages, ("block",), time_s)
+    masked = (
+        active(config.outages, ("mask",), time_s),
+        active(config.outages, ("mask", "mask-aux"), time_s),
+    )
+    counts: Table = {}
+    for j, name in enumerate(("satellites_main", "satellites_aux")):
+        mean = np.where(masked[j], config.satellites_masked, getattr(config, name))
+        used = np.where(blocked, 0.0, np.maximum(np.rint(mean + colour[:, j]), 0.0))
+        counts[name] = used.astype(np.int64)
+    return counts
+
+
+def wrap(angle_rad: Array) -> Array:
+    """The angle in (-pi, pi]."""
+    wrapped: Array = pi - np.mod(pi - angle_rad, 2.0 * pi)
+    return wrapped
+
+
+def rotate(quaternion: Array, vector: NDArray[np.float64]) -> Array:
+    """Vectors turned by unit quaternions wxyz: v + 2 w (q x v) + 2 q x (q x v).
+
+    Args:
+        quaternion: shape (n, 4).
+        vector: shape (3,) or (n, 3).
+
+    Returns:
+        Shape (n, 3).
+    """
+    w, q = quaternion[:, :1], quaternion[:, 1:]
+    once = _cross(q, vector)
+    turned: Array = vector + 2.0 * (w * once + _cross(q, once))
+    return turned
+
+
+def _cross(a: Array, b: NDArray[np.float64] | tuple[float, float, float]) -> Array:
+    """Cross product written out, because it must not depend on how many rows there are."""
+    c = np.asarray(b, float)
+    return np.stack(
+        [
+            a[:, 1] * c[..., 2] - a[:, 2] * c[..., 1],
+            a[:, 2] * c[..., 0] - a[:, 0] * c[..., 2],
+            a[:, 0] * c[..., 1] - a[:, 1] * c[..., 0],
+        ],
+        axis=1,
+    )

@@ -1,0 +1,75 @@
+"""Random terms of the sensors: one generator each, so that chunking changes no bit."""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.random import Generator, SeedSequence
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def generator(seed: int, sensor: str, term: str) -> Generator:
+    """The generator of one noise term, independent of every other term's.
+
+    Keys are hashes of the names, so adding a term leaves the others as they were.
+    """
+    key = (zlib.crc32(sensor.encode()), zlib.crc32(term.encode()))
+    return np.random.default_rng(SeedSequence(seed, spawn_key=key))
+
+
+@dataclass(frozen=True, kw_only=True)
+class GaussMarkov:
+    """A first-order Gauss-Markov process of m components, in time or along a path."""
+
+    sd: Array
+    """Stationary standard deviation, shape (m,)."""
+    scale: float
+    """Correlation time [s] or correlation length [m]."""
+    last: Array
+    """Present value, shape (m,)."""
+    rng: Generator
+
+
+def gauss_markov(rng: Generator, sd: ArrayLike, scale: float) -> GaussMarkov:
+    """A process that starts in its stationary distribution."""
+    spread = np.atleast_1d(np.asarray(sd, float))
+    last = spread * rng.standard_normal(len(spread))
+    return GaussMarkov(sd=spread, scale=scale, last=last, rng=rng)
+
+
+def advance(process: GaussMarkov, step: Array) -> tuple[GaussMarkov, Array]:
+    """The process after each step.
+
+        phi_k = exp(-step_k / scale)
+        x_k   = phi_k x_{k-1} + sd sqrt(1 - phi_k^2) w_k
+
+    Exact for any step, so the statistics do not depend on the sampling rate.
+
+    Args:
+        process: where the process stands.
+        step: elapsed time [s] or distance [m] before each sample, shape (n,).
+
+    Returns:
+        The process at the last sample, and its values, shape (n, m).
+    """
+    phi = np.exp(-step / process.scale)
+    white = process.rng.standard_normal((len(step), len(process.sd)))
+    drive = np.sqrt(1.0 - phi * phi)[:, None] * process.sd * white  # (n, m)
+    values = np.empty_like(drive)
+    for j, last in enumerate(process.last.tolist()):
+        values[:, j] = _recurrence(last, phi.tolist(), drive[:, j].tolist())
+    if len(values):
+        process = replace(process, last=values[-1].copy())
+    return process, values
+
+
+def _recurrence(x: float, phi: list[float], drive: list[float]) -> list[float]:
+    out = []
+    for p, w in zip(phi, drive, strict=True):
+        x = p * x + w
+        out.append(x)
+    return out

@@ -1,0 +1,118 @@
+"""All the sensors of a machine: a chunk of trajectory in, what has arrived by its end out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, replace
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from twin.sensors import depth, gnss, imu, machine, wheels
+from twin.sensors.depth import Depth
+from twin.sensors.gnss import Gnss
+from twin.sensors.imu import Imu
+from twin.sensors.machine import Bus
+from twin.sensors.wheels import Wheels
+from twin.streams import Streams, Table
+
+if TYPE_CHECKING:
+    from twin.machine.trajectory import Trajectory
+
+Config = TypeVar("Config", Gnss, Imu, Wheels, Depth, Bus)
+
+MODULES: dict[str, ModuleType] = {
+    "gnss": gnss,
+    "imu": imu,
+    "wheels": wheels,
+    "depth": depth,
+    "machine": machine,
+}
+"""Module of each stream; each has init(config, seed, start_ns) and sample(config, state, chunk)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensors:
+    """What is fitted; None switches a sensor off."""
+
+    gnss: Gnss | None = field(default_factory=Gnss)
+    """Dual-antenna RTK receiver."""
+    imu: Imu | None = field(default_factory=Imu)
+    """Inertial unit."""
+    wheels: Wheels | None = field(default_factory=Wheels)
+    """Wheel encoders."""
+    depth: Depth | None = field(default_factory=Depth)
+    """Laser and inclinometer on the plough."""
+    machine: Bus | None = field(default_factory=Bus)
+    """The machine's own bus."""
+
+    def fitted(self) -> dict[str, Any]:
+        """Configuration of each sensor that is not switched off, by stream."""
+        return {name: getattr(self, name) for name in MODULES if getattr(self, name) is not None}
+
+
+@dataclass(frozen=True, kw_only=True)
+class SuiteState:
+    """Where each sensor stands, and the samples that are still on their way.
+
+    It holds random generators, which move on as it is used: to branch a run, deep-copy it first.
+    """
+
+    sensors: dict[str, Any]
+    waiting: dict[str, Table]
+
+
+def init(sensors: Sensors, seed: int, start_ns: int = 0) -> SuiteState:
+    """Every fitted sensor at the start of a run.
+
+    Args:
+        sensors: what is fitted.
+        seed: of every noise term and every drawn error; a sensor's draws depend on no other's.
+        start_ns: instant of the first sample; scheduled faults count from it.
+    """
+    states = {n: MODULES[n].init(c, seed, start_ns) for n, c in sensors.fitted().items()}
+    return SuiteState(sensors=states, waiting={})
+
+
+def sample(sensors: Sensors, state: SuiteState, chunk: Trajectory) -> tuple[SuiteState, Streams]:
+    """The samples that arrive by the end of the chunk.
+
+    A sample that describes an instant of this chunk but is still on its way comes out of a
+    later one, so whoever consumes the stream as it runs sees nothing early, and every chunking
+    hands on the same samples in the same order.
+    """
+    states, waiting, arrived = {}, {}, {}
+    for name, config in sensors.fitted().items():
+        states[name], table = MODULES[name].sample(config, state.sensors[name], chunk)
+        if name in state.waiting:
+            before = state.waiting[name]
+            table = {c: np.concatenate([before[c], v]) for c, v in table.items()}
+        now_ns = chunk.epoch_ns[-1] if len(chunk) else -np.inf
+        count = int(np.searchsorted(table["arrival_ns"], now_ns, side="right"))
+        arrived[name] = {c: v[:count] for c, v in table.items()}
+        waiting[name] = {c: v[count:] for c, v in table.items()}
+    return SuiteState(sensors=states, waiting=waiting), Streams(arrived)
+
+
+ERRORS = ("_sd", "noise", "instability", "jitter", "latency", "vibration")
+"""What the name of a field contains that makes a sensor noisy or late."""
+
+
+def ideal() -> Sensors:
+    """Sensors without noise, drawn errors, latency or vibration; rates and resolutions stay.
+
+    The IMU keeps its low-pass, and its samples arrive as late as that makes them.
+    """
+    return Sensors(
+        gnss=_quiet(Gnss()),
+        imu=_quiet(Imu()),
+        wheels=_quiet(Wheels()),
+        depth=_quiet(Depth()),
+        machine=_quiet(Bus()),
+    )
+
+
+def _quiet(config: Config) -> Config:
+    names = [f.name for f in fields(config) if any(part in f.name for part in ERRORS)]
+    zeros: dict[str, Any] = dict.fromkeys(names, 0.0)
+    return replace(config, **zeros)

@@ -1,0 +1,114 @@
+"""Wheel encoders: cumulative ticks of quadrature-decoded incremental encoders."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.random import Generator
+
+from twin.sensors.checks import check_fields
+from twin.sensors.noise import Array, generator
+from twin.sensors.sampling import Reader, arrivals, read, reader
+from twin.streams import WHEELS, Table
+
+if TYPE_CHECKING:
+    from twin.machine.trajectory import Trajectory
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wheels:
+    """An encoder on each wheel; the data sheet's values, then the true errors."""
+
+    rate_hz: float = 50.0
+    """Rate at which the counters are read, Hz."""
+    lines: int = 1000
+    """Lines per turn; 10 ... 2000 for an Omron E6B2-CWZ6C."""
+    decoding: int = 4
+    """Counts per line: 1, 2 or 4 edges of the two channels."""
+    latency_s: float = 0.005
+    """From reading to arrival, s."""
+    latency_jitter_s: float = 0.0005
+    """Scale of the latency's scatter, s."""
+    read_jitter_s: float = 20e-6
+    """sd of the instant of reading about its epoch, s."""
+    radius_error: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    """True error of the rolling radius of fl fr rl rr: true = nominal (1 + error)."""
+    radius_error_sd: float = 0.005
+    """sd of a further error of each wheel, drawn once from the seed: wear and tyre pressure."""
+
+    def __post_init__(self) -> None:
+        check_fields(
+            "wheels",
+            self,
+            {
+                "rate_hz": (1, 500),
+                "lines": (1, 100_000),
+                "decoding": (1, 4),
+                "latency_s": (0, 1),
+                "latency_jitter_s": (0, 0.1),
+                "read_jitter_s": (0, 1e-3),
+                "radius_error": (-0.2, 0.2),
+                "radius_error_sd": (0, 0.05),
+            },
+        )
+
+    @property
+    def counts_per_turn(self) -> int:
+        """Counts in one turn of a wheel."""
+        return self.lines * self.decoding
+
+
+@dataclass(frozen=True, kw_only=True)
+class WheelsState:
+    """Where the encoders stand, and the errors drawn for this run."""
+
+    reader: Reader
+    arrival_ns: int
+    phase_rad: Array
+    """Angle of each wheel at the zero of its counter, shape (4,)."""
+    radius_error: Array
+    """True relative error of each rolling radius, shape (4,)."""
+    read_jitter: Generator
+    latency: Generator
+
+
+def init(config: Wheels, seed: int, start_ns: int) -> WheelsState:
+    """Encoders at the start of a run; the drawn errors depend on the seed alone."""
+    drawn = generator(seed, "wheels", "radius").standard_normal(4)
+    return WheelsState(
+        reader=reader(start_ns, config.rate_hz),
+        arrival_ns=start_ns,
+        phase_rad=generator(seed, "wheels", "phase").uniform(0.0, 2.0 * np.pi, 4),
+        radius_error=np.asarray(config.radius_error) + config.radius_error_sd * drawn,
+        read_jitter=generator(seed, "wheels", "read jitter"),
+        latency=generator(seed, "wheels", "latency"),
+    )
+
+
+def sample(config: Wheels, state: WheelsState, chunk: Trajectory) -> tuple[WheelsState, Table]:
+    """Ticks of the chunk.
+
+        turned = angle + rate jitter
+        ticks  = floor((turned / (1 + radius_error) + phase) counts_per_turn / 2 pi)
+
+    A wheel whose true radius exceeds the nominal by the factor (1 + error) turns that much
+    less over the same ground. Dividing the angle therefore gives the tick stream of such a
+    wheel without touching the physics, and nominal radius times turned angle is then short of
+    the theoretical travel by (1 + error), as on a machine whose radius is not what the manual says.
+    How the radius varies with load is in the trajectory already.
+    """
+    names = ("wheel_angle_rad", "wheel_rate_radps")
+    position, epoch_ns, at = read(state.reader, chunk, names)
+    count = len(epoch_ns)
+    jitter_s = config.read_jitter_s * state.read_jitter.standard_normal(count)
+    turned_rad = at["wheel_angle_rad"] + at["wheel_rate_radps"] * jitter_s[:, None]
+    angle_rad = turned_rad / (1.0 + state.radius_error) + state.phase_rad  # (n, 4)
+    ticks = np.floor(angle_rad * (config.counts_per_turn / (2.0 * np.pi))).astype(np.int64)
+    scatter = np.abs(state.latency.standard_normal(count))
+    delay_s = config.latency_s + config.latency_jitter_s * scatter
+    last_ns, arrival_ns = arrivals(state.arrival_ns, epoch_ns, delay_s)
+    table: Table = {"epoch_ns": epoch_ns, "arrival_ns": arrival_ns}
+    table |= {f"ticks_{wheel}": ticks[:, j] for j, wheel in enumerate(WHEELS)}
+    return replace(state, reader=position, arrival_ns=last_ns), table

@@ -1,0 +1,69 @@
+"""Scores as rows of text, for the terminal and for the report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+HEADERS = (
+    "estimator", "slip RMSE [%]", "MAE [%]", "max [%]", "bias [%]", "in ±2 sd [%]",
+    "angle RMSE [°]", "sideslip [m]", "true [m]", "error [%]",
+)  # fmt: skip
+"""The first column names the estimator; the rest is slip, then sideslip."""
+
+_DEG = 57.29577951308232
+
+
+def score_rows(scores: Mapping[str, Any]) -> list[list[str]]:
+    """One row of text per estimator, in the order of HEADERS; a dash where nothing is known."""
+    return [_row(name, entry) for name, entry in scores.get("estimators", {}).items() if entry]
+
+
+def slip_lines(scores: Mapping[str, Any]) -> list[str]:
+    """What `twin estimate` found of slip, a sentence each; nothing for a simulated run."""
+    lines = [f"{n}: {_spread(s)}, while driving" for n, s in scores.get("slip", {}).items()]
+    for name, slip in scores.get("steady_slip", {}).items():
+        lines.append(f"{name}: {_spread(slip)}, in steady work")
+    steady = scores.get("steady")
+    if steady:
+        lines += [
+            "steady work: slip {slip_median:.3f} (95 % {slip_low:.3f} to {slip_high:.3f}), "
+            "{n} rows: {rule}".format(**steady),
+            "zero-slip scale {scale:.4f} (95 % {scale_low:.3f} to {scale_high:.3f}), "
+            "{scale_n} rows: {scale_rule}".format(**steady),
+        ]
+        lag_s = steady["lag_s"]
+        known = "is unknown" if lag_s is None else f"is {lag_s:.2f} s"
+        lines.append(f"lag of GNSS speed behind wheel speed {known}")
+    return lines
+
+
+def _spread(slip: Mapping[str, Any]) -> str:
+    if slip["median"] is None:
+        return "no slip estimated"
+    spread = f"5-95 % {slip['p05']:.3f} to {slip['p95']:.3f}"
+    return f"slip median {slip['median']:.3f}, {spread}, {slip['n']} samples"
+
+
+def _row(name: str, entry: Mapping[str, Any]) -> list[str]:
+    slip = entry.get("slip", {})
+    angle = entry.get("sideslip_angle_rad", {})
+    total = entry.get("sideslip_m", {})
+    return [
+        name,
+        _text(slip.get("rmse"), 100.0, 3),
+        _text(slip.get("mae"), 100.0, 3),
+        _text(slip.get("max"), 100.0, 2),
+        _text(slip.get("bias"), 100.0, 3, sign=True),
+        _text(slip.get("coverage_2sd"), 100.0, 1),
+        _text(angle.get("rmse"), _DEG, 3),
+        _text(total.get("est_m"), 1.0, 3),
+        _text(total.get("true_m"), 1.0, 3),
+        _text(total.get("rel_err"), 100.0, 1),
+    ]
+
+
+def _text(value: float | None, scale: float, digits: int, *, sign: bool = False) -> str:
+    if value is None:
+        return "-"
+    return f"{scale * value:{'+' if sign else ''}.{digits}f}"
