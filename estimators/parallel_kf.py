@@ -1,8 +1,9 @@
 """The parallel Kalman filters of the IMA-PKF paper without its optimiser, and a tuned one.
 
-Every filter here has x = [v, a, j] for the ground and [w, a_w, j_w] for the driven wheels, and an
-accelerometer bias beside each, which is zero where its standard deviation is set to zero. The
-paper's six states are these two blocks: A, Q and the rows of H connect nothing across them.
+Every filter here has x = [v, a, j] for the ground and [w, a_w, j_w] for the driven wheels. The
+paper's six states are these two blocks: A, Q and the rows of H connect nothing across them. Beside
+each stands an accelerometer bias b, and beside the ground's what the front wheels are off by, c;
+they are zero where their standard deviation is set to zero, as in the paper.
 """
 
 from __future__ import annotations
@@ -29,6 +30,8 @@ from twin.streams import Setup, Streams, Table
 
 WHEEL = 2
 """Channel of the driven wheels; 0 and 1 are the ground's, one per observer."""
+BIAS, FRONT_OFFSET, SIZE = 3, 4, 5
+"""Where b and c stand in a channel [speed, acceleration, jerk, b, c], and its size."""
 STEP_S = 0.02
 """The paper's sampling period, to which its Q belongs."""
 
@@ -45,6 +48,8 @@ TUNING = np.dtype(
         ("bias_sd", "f8"),
         ("wheel_bias_sd", "f8"),
         ("bias_psd", "f8"),
+        ("front_offset_sd", "f8"),
+        ("front_offset_psd", "f8"),
     ],
     align=True,
 )
@@ -54,8 +59,8 @@ MEMORY = np.dtype(
         ("measured_ns", "i8"),
         ("flags", "i8"),
         ("known", "i8", 3),
-        ("x", "f8", (3, 4)),
-        ("cov", "f8", (3, 4, 4)),
+        ("x", "f8", (3, SIZE)),
+        ("cov", "f8", (3, SIZE, SIZE)),
     ],
     align=True,
 )
@@ -66,8 +71,8 @@ class ParallelKf:
     """One or two observers of the ground speed beside one of the wheels', fused at the end.
 
     A = [[1, dt, dt^2/2], [0, 1, dt], [0, 0, 1]] for each block, over the true step; Q dt / 0.02 s
-    rows: v (front wheels), v (GNSS), a (body accelerometer); w (driven wheels), a_w where a source
-    measures it. A row is dropped where there is no measurement.
+    rows: v + c (front wheels), v (GNSS), a + b (body accelerometer); w (driven wheels), a_w + b_w
+    where a source measures it. A row is dropped where there is no measurement.
     Fusion: x = W1 x1 + W2 x2,  W_i = (P1^-1 + P2^-1)^-1 P_i^-1
 
     Speeds of some time ago (ticks, late samples) are v - a tau + j tau^2/2. Front wheels count as
@@ -98,6 +103,10 @@ class ParallelKf:
     """sd of the wheel accelerometer's bias at the start; 0 in the paper."""
     bias_psd_m2ps5: float = 0.0
     """Density of the biases' random walk [m2/s5]."""
+    front_offset_sd_mps: float = 0.0
+    """sd of what the front wheels' speed is off by, from their radius and skid; 0 in the paper."""
+    front_offset_psd_m2ps3: float = 0.0
+    """Density of that offset's random walk [m2/s3]."""
 
     def init(self, setup: Setup) -> State:
         """The state before the first sample."""
@@ -113,6 +122,8 @@ class ParallelKf:
         tuning["wheel_accel_sd"] = self.wheel_accel_sd_mps2
         tuning["bias_sd"], tuning["wheel_bias_sd"] = self.bias_sd_mps2, self.wheel_bias_sd_mps2
         tuning["bias_psd"] = self.bias_psd_m2ps5
+        tuning["front_offset_sd"] = self.front_offset_sd_mps
+        tuning["front_offset_psd"] = self.front_offset_psd_m2ps3
         memory = np.zeros(1, MEMORY)
         memory["time_ns"] = memory["measured_ns"] = -1
         return begin(setup, tuning, memory)
@@ -138,9 +149,12 @@ KF_TUNED = ParallelKf(
     bias_sd_mps2=0.5,
     wheel_bias_sd_mps2=0.1,
     bias_psd_m2ps5=1e-3,
+    front_offset_sd_mps=0.05,
+    front_offset_psd_m2ps3=1e-5,
 )
 """One filter of all five measurements, tuned on physics: a white jerk of 0.2 m2/s5 (0.3 m/s2 that
-decorrelates in about 1 s), the sensors' own sd, 0.2 m/s2 of vibration, 3 degrees of tilt."""
+decorrelates in about 1 s), the sensors' own sd, 0.2 m/s2 of vibration, 3 degrees of tilt, and front
+wheels that are 3 % of a working speed off, by their radius and skid under motion resistance."""
 
 
 @compiled
@@ -176,12 +190,13 @@ def _carry(epoch_ns: int, tuning: Record, memory: Record) -> None:
         memory.known[:] = 0
         memory.flags |= RESTARTED
     elif memory.time_ns >= 0 and dt > 0.0:
-        f, q = np.eye(4), np.zeros((4, 4))
+        f, q = np.eye(SIZE), np.zeros((SIZE, SIZE))
         f[0, 1] = f[1, 2] = dt
         f[0, 2] = 0.5 * dt * dt
         for i in range(3):
             q[i, i] = tuning.process_var[i] * dt / STEP_S
-        q[3, 3] = tuning.bias_psd * dt
+        q[BIAS, BIAS] = tuning.bias_psd * dt
+        q[FRONT_OFFSET, FRONT_OFFSET] = tuning.front_offset_psd * dt
         for channel in range(3):
             if memory.known[channel]:
                 predict(memory.x[channel], memory.cov[channel], f, q)
@@ -190,29 +205,38 @@ def _carry(epoch_ns: int, tuning: Record, memory: Record) -> None:
 
 @compiled
 def _take_speed(
-    channel: int, speed: float, variance: float, age: float, bias_sd: float, memory: Record
-) -> None:
-    """Measure v - a age + j age^2/2; the first time, begin with [z, 0, 0], sd 1 of a and j."""
+    channel: int, speed: float, variance: float, age: float, of_front: float, memory: Record
+) -> int:
+    """Measure v - a age + j age^2/2 + of_front c. Returns 1 if it would be the first."""
     if not (np.isfinite(speed) and np.isfinite(variance)):
-        return
-    if memory.known[channel]:
-        h = np.array([1.0, -age, 0.5 * age * age, 0.0])
-        update(memory.x[channel], memory.cov[channel], h, speed, variance)
-        return
+        return 0
+    if not memory.known[channel]:
+        return 1
+    h = np.array([1.0, -age, 0.5 * age * age, 0.0, of_front])
+    update(memory.x[channel], memory.cov[channel], h, speed, variance)
+    return 0
+
+
+@compiled
+def _begin(
+    channel: int, speed: float, variance: float, bias_sd: float, offset_sd: float, memory: Record
+) -> None:
+    """Begin a channel with its first speed: [z, 0, 0, 0, 0], sd 1 of acceleration and jerk."""
     memory.known[channel] = 1
     memory.x[channel, :] = 0.0
     memory.cov[channel, :, :] = 0.0
     memory.x[channel, 0] = speed
-    memory.cov[channel, 0, 0] = variance + age * age
+    memory.cov[channel, 0, 0] = variance
     memory.cov[channel, 1, 1] = memory.cov[channel, 2, 2] = 1.0
-    memory.cov[channel, 3, 3] = bias_sd**2
+    memory.cov[channel, BIAS, BIAS] = bias_sd**2
+    memory.cov[channel, FRONT_OFFSET, FRONT_OFFSET] = offset_sd**2
 
 
 @compiled
 def _take_accel(channel: int, accel: float, sd: float, memory: Record) -> None:
     """Measure a + b."""
     if memory.known[channel]:
-        h = np.array([0.0, 1.0, 0.0, 1.0])
+        h = np.array([0.0, 1.0, 0.0, 1.0, 0.0])
         update(memory.x[channel], memory.cov[channel], h, accel, sd**2)
 
 
@@ -222,8 +246,11 @@ def _take_gnss(signal: Record, age: float, tuning: Record, memory: Record) -> No
     if np.isfinite(signal.v_x_mps):
         memory.measured_ns = signal.epoch_ns
     for channel in range(2):
-        if tuning.takes_gnss[channel]:
-            _take_speed(channel, signal.v_x_mps, sd**2, age, tuning.bias_sd, memory)
+        if not tuning.takes_gnss[channel]:
+            continue
+        if _take_speed(channel, signal.v_x_mps, sd**2, age, 0.0, memory):
+            first_var, offset_sd = sd**2 + age**2, tuning.front_offset_sd
+            _begin(channel, signal.v_x_mps, first_var, tuning.bias_sd, offset_sd, memory)
 
 
 @compiled
@@ -239,7 +266,12 @@ def _take_front(
         if tuning.takes_front[channel]:
             if np.isfinite(speed):
                 memory.measured_ns = signal.epoch_ns
-            _take_speed(channel, speed, variance, tau, tuning.bias_sd, memory)
+            if _take_speed(channel, speed, variance, tau, 1.0, memory):
+                offset_sd = tuning.front_offset_sd
+                first_var = variance + tau**2 + offset_sd**2
+                _begin(channel, speed, first_var, tuning.bias_sd, offset_sd, memory)
+                memory.cov[channel, 0, FRONT_OFFSET] = -(offset_sd**2)
+                memory.cov[channel, FRONT_OFFSET, 0] = -(offset_sd**2)
 
 
 @compiled
@@ -251,7 +283,8 @@ def _take_driven(
     if not np.isnan(tuning.rear_sd):
         variance = tuning.rear_sd**2
     tau = age + signal.wheel_age_s.max()
-    _take_speed(WHEEL, speed, variance, tau, tuning.wheel_bias_sd, memory)
+    if _take_speed(WHEEL, speed, variance, tau, 0.0, memory):
+        _begin(WHEEL, speed, variance + tau**2, tuning.wheel_bias_sd, 0.0, memory)
     accel = driven_mean(signal.wheel_accel_mps2, nominal)
     _take_accel(WHEEL, accel, tuning.wheel_accel_sd, memory)
 
@@ -269,13 +302,30 @@ def fuse(x1: Array, p1: Array, x2: Array, p2: Array) -> tuple[Array, Array]:
         x2: second mean, (n,).
         p2: its covariance, (n, n); p1 + p2 must be regular.
     """
-    gain = np.linalg.solve(p1 + p2, p1).T
+    total, by_total = p1 + p2, np.zeros_like(p1)
+    n = len(x1)
+    for i in range(n):
+        by_total[i, i] = 1.0
+    for i in range(n):  # Gauss-Jordan without pivoting: the sum is positive definite
+        pivot = total[i, i]
+        for k in range(n):
+            total[i, k] /= pivot
+            by_total[i, k] /= pivot
+        for j in range(n):
+            factor = total[j, i]
+            if j != i:
+                for k in range(n):
+                    total[j, k] -= factor * total[i, k]
+                    by_total[j, k] -= factor * by_total[i, k]
     x, p = x1.copy(), p1.copy()
-    for i in range(len(x)):
-        for j in range(len(x)):
-            x[i] += gain[i, j] * (x2[j] - x1[j])
-            for k in range(len(x)):
-                p[i, k] -= gain[i, j] * p1[j, k]
+    for i in range(n):
+        for j in range(n):
+            gain = 0.0
+            for k in range(n):
+                gain += p1[i, k] * by_total[k, j]
+            x[i] += gain * (x2[j] - x1[j])
+            for k in range(n):
+                p[i, k] -= gain * p1[j, k]
     return x, p
 
 

@@ -44,6 +44,7 @@ class Scenario:
     """A short furrow on firm soil."""
 
     name: str = "stub"
+    about: str = "a short furrow on firm soil"
     machine: str = "taishan_1404a"
     seed: int = 1
     soil: Soil = field(default_factory=Soil)
@@ -77,30 +78,31 @@ MJCF = """
 <mujoco>
   <default>
     <default class="visual"><geom group="2" contype="0" conaffinity="0"/></default>
+    <default class="wheel"><geom group="2" type="cylinder" euler="90 0 0" rgba="0 0 0 1"/></default>
   </default>
   <worldbody>
     <geom type="plane" size="50 50 1"/>
     <body name="tractor" pos="0 0 0.8">
       <freejoint/>
-      <geom class="visual" type="box" size="1.6 0.35 0.35" pos="1.3 0 0.4" rgba=".75 .1 .1 1" mass="4000"/>
-      <geom class="visual" type="capsule" size="0.08" fromto="2 0.2 0.7 2 0.2 1.6" rgba=".2 .2 .2 1"/>
+      <geom class="visual" type="box" size="1.6 0.35 0.35" pos="1.3 0 0.4" rgba=".7 .1 .1 1"/>
+      <geom class="visual" type="capsule" size="0.08" fromto="2 .2 .7 2 .2 1.6" rgba=".2 .2 .2 1"/>
       <geom class="visual" type="box" size="0.6 0.6 0.5" pos="0.2 0 1.4" rgba=".3 .5 .7 1"/>
       <body name="rear_left" pos="0 0.8 0">
         <joint name="rl_spin" axis="0 1 0"/>
-        <geom class="visual" type="cylinder" size="0.8 0.25" euler="90 0 0" rgba=".1 .1 .1 1" mass="200"/>
+        <geom class="wheel" size="0.8 0.25" />
       </body>
       <body name="rear_right" pos="0 -0.8 0">
         <joint name="rr_spin" axis="0 1 0"/>
-        <geom class="visual" type="cylinder" size="0.8 0.25" euler="90 0 0" rgba=".1 .1 .1 1" mass="200"/>
+        <geom class="wheel" size="0.8 0.25" />
       </body>
       <body name="front_left" pos="2.55 0.8 -0.2">
         <joint name="fl_steer" axis="0 0 1"/>
         <joint name="fl_spin" axis="0 1 0"/>
-        <geom class="visual" type="cylinder" size="0.6 0.18" euler="90 0 0" rgba=".1 .1 .1 1" mass="90"/>
+        <geom class="wheel" size="0.6 0.18" mass="90"/>
       </body>
       <body name="plough" pos="-1 0 0">
         <joint name="lift" axis="0 1 0"/>
-        <geom class="visual" type="box" size="1.5 0.06 0.06" pos="-1.5 0 0" rgba=".1 .3 .6 1" mass="1000"/>
+        <geom class="visual" type="box" size="1.5 0.06 0.06" pos="-1.5 0 0" rgba=".1 .3 .6 1"/>
         <geom class="visual" type="sphere" size="0.15" pos="-2 0 -0.3" rgba=".1 .3 .6 1"/>
       </body>
     </body>
@@ -117,7 +119,7 @@ def truth_table(*, duration_s: float = 20.0, rate_hz: float = 50.0) -> Table:
     slip = 0.01 + 0.09 * down + 0.01 * np.sin(t) * down
     v_y = 0.02 * down
     zero = np.zeros_like(t)
-    truth = {
+    return {
         "epoch_ns": (t * 1e9).round().astype(np.int64),
         "east_m": 1.5 * t,
         "north_m": np.cumsum(v_y) / rate_hz,
@@ -134,7 +136,6 @@ def truth_table(*, duration_s: float = 20.0, rate_hz: float = 50.0) -> Table:
         "joint_lift_rad": 0.1 * (1.0 - down),
         "ploughing": down >= 1.0,
     }  # fmt: skip
-    return truth
 
 
 def estimate_table(truth: Table, *, seed: int, slip_sd: float, every: int = 1) -> Table:

@@ -76,7 +76,7 @@ def _help() -> str:
             "",
             *lines,
             "",
-            "twin COMMAND --help says more; twin run NAME --help lists every parameter of a scenario.",
+            "twin COMMAND --help says more; twin run NAME --help lists what a scenario can change.",
         )
     )
 

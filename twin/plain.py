@@ -34,7 +34,7 @@ def from_plain(kind: type[T], value: Any) -> T:
     if not isinstance(value, Mapping):
         raise BadInput(f"{kind.__name__} is {type(value).__name__}, not an object of fields")
     hints = typing.get_type_hints(kind)
-    names = {f.name for f in dataclasses.fields(kind) if f.init}  # type: ignore[arg-type]
+    names = [f.name for f in dataclasses.fields(kind) if f.init]  # type: ignore[arg-type]
     for key in value:
         if key not in names:
             raise BadInput(f"{kind.__name__} has no field '{key}'; there are: {', '.join(names)}")
@@ -63,14 +63,15 @@ def _shaped(hint: Any, value: Any) -> Any:
     return value
 
 
+def _has_fields(member: Any, names: Mapping[str, Any]) -> bool:
+    is_type = isinstance(member, type) and dataclasses.is_dataclass(member)
+    return is_type and set(names) <= {f.name for f in dataclasses.fields(member)}
+
+
 def _member(members: tuple[Any, ...], value: Any) -> Any:
     """The member of a union that holds the value: by field names for objects, by kind otherwise."""
     if isinstance(value, Mapping):
-        for member in members:
-            if dataclasses.is_dataclass(member) and isinstance(member, type):
-                if set(value) <= {f.name for f in dataclasses.fields(member)}:
-                    return member
-        return dict
+        return next((m for m in members if _has_fields(m, value)), dict)
     if isinstance(value, list):
         return next((m for m in members if typing.get_origin(m) is tuple), list)
     return next((m for m in members if m is type(value)), float)

@@ -31,7 +31,7 @@ STREAMS, SETUP, REPORT, RECORDING = "streams", "setup.json", "report.html", "run
 
 
 class RunLike(Protocol):
-    """What can be written: a simulated run, or estimates of a log (no scenario, perhaps no truth)."""
+    """What can be written: a simulated run, or the estimates of a log (no scenario)."""
 
     @property
     def scenario(self) -> Any:
@@ -248,7 +248,7 @@ def read_parquet(path: Path) -> Table:
 
 
 def _column(column: Any) -> np.ndarray[Any, Any]:
-    values = column.to_numpy()
+    values: np.ndarray[Any, Any] = column.to_numpy()
     return values.astype(np.str_) if values.dtype == object else values
 
 

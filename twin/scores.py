@@ -34,7 +34,8 @@ def window_s(truth: Table, *, settle_s: float = SETTLE_S) -> tuple[float, float]
     """From 5 m after the plough is at full depth to the end; without a plough from `settle_s`.
 
     Args:
-        truth: with epoch_ns and, where it ploughs, `ploughing` (true from full depth on), `speed_mps`.
+        truth: with epoch_ns, speed_mps and, where it ploughs, `ploughing`: true from full
+            depth on.
         settle_s: time left out at the start of a run that does not plough [s].
     """
     time = seconds(truth)
@@ -146,13 +147,14 @@ def at(table: Table, column: str, epoch_ns: NDArray[np.int64]) -> Array:
     """A column at other epochs, linear between rows; NaN outside the table and beside a NaN."""
     start = table["epoch_ns"][0]
     own = (table["epoch_ns"] - start).astype(np.float64)  # exact: below 2**53 ns = 104 days
-    return np.interp(
+    values: Array = np.interp(
         (epoch_ns - start).astype(np.float64),
         own,
         table[column].astype(np.float64),
         left=np.nan,
         right=np.nan,
     )
+    return values
 
 
 def error_scores(error: Array, sd: Array | None = None) -> dict[str, Any]:

@@ -60,7 +60,7 @@ def record(run: RunLike, path: Path, *, model: Any | None = None) -> None:
     """
     truth = run.truth
     assert truth is not None, "a simulated run has its truth"
-    with _recording(path, _simulated(truth)) as recording:
+    with _Recording(path, _simulated(truth)) as recording:
         recording.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
         moments = _every(truth, POSE_RATE_HZ)
         _log_ground(recording, truth, run.setup)
@@ -82,10 +82,10 @@ def log(
     estimates: Mapping[str, Table],
     reference: Table | None = None,
 ) -> None:
-    """Write the estimates of a real tractor's log as a recording, on a map where it has an origin."""
+    """Write the estimates of a recorded drive, on a map where its set-up has an origin."""
     geodetic = setup.origin is not None and "gnss" in streams
     spans = [t for t in (*estimates.values(), *streams.tables.values()) if len(t["epoch_ns"])]
-    with _recording(path, _logged(spans[0], geodetic)) as recording:
+    with _Recording(path, _logged(spans[0], geodetic)) as recording:
         recording.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
         _log_gnss(recording, streams)
         if geodetic:
@@ -198,7 +198,7 @@ def _wheel_radius_m(setup: Setup) -> float:
 def _strip_mesh(ribbon: Array) -> rr.Mesh3D:
     n = len(ribbon)
     first = 2 * np.arange(n - 1)[:, None]
-    triangles = np.concatenate([first + [0, 1, 2], first + [2, 1, 3]])
+    triangles = np.concatenate([first + np.array([0, 1, 2]), first + np.array([2, 1, 3])])
     normal = np.cross(ribbon[1, 1] - ribbon[0, 1], ribbon[0, 0] - ribbon[0, 1])
     normal = normal / max(float(np.linalg.norm(normal)), 1e-9)
     return rr.Mesh3D(
@@ -221,7 +221,7 @@ def _log_gnss(recording: rr.RecordingStream, streams: Streams) -> None:
 
 
 def _log_map(recording: rr.RecordingStream, streams: Streams, setup: Setup) -> None:
-    """The drive on a map, small-angle about the set-up's origin (metres per degree of the sphere)."""
+    """The drive on a map: small angles about the set-up's origin, on a sphere."""
     assert setup.origin is not None
     fixes = _every(streams["gnss"], 1.0)
     metres_per_degree = np.pi / 180.0 * 6_371_000.0
@@ -363,7 +363,13 @@ def _plots(span: Table, *, draft: bool) -> rrb.Vertical:
     )
     background = rrb.archetypes.PlotBackground(color=DARK)
     views = [
-        rrb.TimeSeriesView(origin=entity, name=name, axis_x=axis, background=background)
+        rrb.TimeSeriesView(
+            origin=entity,
+            name=name,
+            axis_x=axis,
+            background=background,
+            plot_legend=rrb.PlotLegend(visible=entity not in (DRAFT, DEPTH)),
+        )
         for entity, name, _ in panels
     ]
     return rrb.Vertical(*views, row_shares=[share for _, _, share in panels])
@@ -372,7 +378,7 @@ def _plots(span: Table, *, draft: bool) -> rrb.Vertical:
 # --- small things ---------------------------------------------------------------------------
 
 
-class _recording:  # noqa: N801  (reads as a function where it is used)
+class _Recording:
     """A recording into a file, complete when the block ends."""
 
     def __init__(self, path: Path, blueprint: rrb.Blueprint) -> None:

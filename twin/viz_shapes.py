@@ -148,4 +148,6 @@ def _z_axis(wxyz: Array) -> Array:
 def _colour(model: Any, g: int) -> list[int]:
     material = model.geom_matid[g]
     rgba = model.mat_rgba[material] if material >= 0 else model.geom_rgba[g]
-    return [int(v) for v in np.clip(np.round(255 * rgba), 0, 255)]
+    red, green, blue, alpha = (int(v) for v in np.clip(np.round(255 * rgba), 0, 255))
+    visual = model.geom_group[g] == VISUAL_GROUP  # hulls that stand in for looks are see-through
+    return [red, green, blue, alpha if visual else 255]

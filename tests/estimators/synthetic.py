@@ -43,7 +43,7 @@ def setup(**overrides) -> Setup:
 
 @dataclass(frozen=True, kw_only=True)
 class Drive:
-    """A straight drive along a heading; speed [m/s] and slip of the rear wheels as functions of t."""
+    """A straight drive along a heading; speed [m/s] and slip of the rear wheels over time."""
 
     speed: Callable = lambda t: 1.6 + 0.2 * np.sin(0.9 * t)
     slip: Callable = lambda t: 0.12 + 0.05 * np.sin(0.5 * t)

@@ -101,7 +101,8 @@ def findings(record: Record, name: str, log: Log, steady: SteadySlip | None) -> 
             "slip_median": steady.median, "slip_low": steady.low, "slip_high": steady.high,
             "n": steady.n, "rule": steady.rule, "scale": steady.scale.scale,
             "scale_low": steady.scale.low, "scale_high": steady.scale.high,
-            "scale_n": steady.scale.n, "scale_rule": steady.scale.rule, "lag_s": _known(steady.lag_s),
+            "scale_n": steady.scale.n, "scale_rule": steady.scale.rule,
+            "lag_s": _known(steady.lag_s),
         }  # fmt: skip
     return table
 

@@ -78,9 +78,9 @@ def _attribute_doc(tree: ast.Module, attribute: str) -> str | None:
     for node, following in zip(tree.body, [*tree.body[1:], None], strict=True):
         if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and node.name == attribute:
             return ast.get_docstring(node)
-        if isinstance(node, (ast.Assign, ast.AnnAssign)) and _assigns(node, attribute):
-            if isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant):
-                return str(following.value.value)
+        assigned = isinstance(node, (ast.Assign, ast.AnnAssign)) and _assigns(node, attribute)
+        if assigned and isinstance(following, ast.Expr):
+            return str(getattr(following.value, "value", "")) or None
     return None
 
 

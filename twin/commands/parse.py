@@ -14,7 +14,6 @@ from twin.errors import BadInput
 
 T = TypeVar("T")
 
-_BOX = "╭╮╰╯│─"
 _READINGS = (
     (
         r"Error parsing (?P<option>\S+): invalid literal for int.*: '(?P<given>.*)'",
@@ -77,17 +76,21 @@ def one_line(boxes: str) -> str:
 
 
 def _blocks(boxes: str) -> list[str]:
-    """The parts between a box's rules, each as one line; first titles and edges go."""
+    """The parts between a box's rules, each as one line, without its title.
+
+    Where the output takes UTF-8 the title is in the upper edge; elsewhere it is a block of its own.
+    """
     blocks: list[list[str]] = [[]]
     for line in boxes.splitlines():
-        if line[:1] in "╭╰":
+        content = line.strip("│ ")
+        if line.startswith(("╭", "╰")):
             continue
-        content = line.strip(_BOX + " ")
-        if not content and "─" in line:
+        if re.fullmatch("[─-]{4,}", content):
             blocks.append([])
         elif content:
             blocks[-1].append(content)
-    return [" ".join(block) for block in blocks if block]
+    told = blocks if boxes.startswith("╭") else blocks[1:]
+    return [" ".join(block) for block in told if block]
 
 
 def _nearest(text: str, blocks: Sequence[str]) -> str:

@@ -71,7 +71,7 @@ def execute(scenario: Any, options: Options) -> Path:
 
 
 def load_estimators(names: str) -> dict[str, Any]:
-    """Estimators by name from `a,b,module:Name`. Raises UnknownName, or BadInput for none at all."""
+    """Estimators by name from `a,b,module:Name`. Raises UnknownName, or BadInput for none."""
     wanted = [name.strip() for name in names.split(",") if name.strip()]
     if not wanted:
         raise BadInput("--estimators names none; twin list says what there is")
@@ -90,8 +90,9 @@ def _split(args: Sequence[str]) -> tuple[str, Sequence[str]]:
 def _with_overrides(default: Any) -> type[Options]:
     """Options and every field of the scenario, whose defaults are the named scenario's values."""
     fields = dataclasses.field(default=default)
-    annotation = Annotated[type(default), tyro.conf.arg(name="")]
-    made = dataclasses.make_dataclass(
+    kind: Any = type(default)
+    annotation = Annotated[kind, tyro.conf.arg(name="")]  # fields stand at the top level
+    return dataclasses.make_dataclass(
         "Options",
         [("scenario", annotation, fields)],
         bases=(Options,),
@@ -99,7 +100,6 @@ def _with_overrides(default: Any) -> type[Options]:
         kw_only=True,
         namespace={"__doc__": f"{default.about or Options.__doc__}"},
     )
-    return made
 
 
 def _pictures() -> Mapping[str, Any]:

@@ -44,8 +44,10 @@ def _title(scores: Mapping[str, Any]) -> str:
         said.append(f"seed {scores['seed']}")
     said.append(f"scored {window[0]:.1f} to {window[1]:.1f} s")
     for key, form in (
-        ("mean_speed_kmh", "{:.2f} km/h"), ("slip_mean", "slip {:.2%}"), ("draft_mean_kn", "draft {:.1f} kN"),
-    ):  # fmt: skip
+        ("mean_speed_kmh", "{:.2f} km/h"),
+        ("slip_mean", "slip {:.2%}"),
+        ("draft_mean_kn", "draft {:.1f} kN"),
+    ):
         if truth.get(key) is not None:
             said.append(form.format(truth[key]))
     return ", ".join(said)

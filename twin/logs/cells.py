@@ -16,6 +16,8 @@ Cells = list[str] | NDArray[Any]
 
 TIMESTAMP = "timestamp"
 """The unit of a time column that holds ISO 8601 text or Parquet timestamps."""
+LARGEST = 1e30
+"""No measurement is beyond this, in any unit; infinities are, and what would overflow."""
 _MISSING = {"", "na", "n/a", "null", "none", "nan"}
 _LABEL_LENGTH = 64
 _MAX_NS = 2**62
@@ -30,15 +32,16 @@ def quoted(cell: object) -> str:
 
 
 def numbers(name: str, cells: Cells) -> NDArray[np.float64]:
-    """The cells as floats; blank is NaN. Raises BadInput for text and for infinities."""
+    """The cells as floats; blank is NaN. Raises BadInput for text and beyond LARGEST."""
     if isinstance(cells, list):
         values = np.array([_number(name, row, c) for row, c in enumerate(cells, 1)], np.float64)
     elif cells.dtype.kind in "iufb":
         values = cells.astype(np.float64)
     else:
         raise BadInput(f"column {quoted(name)} holds {cells.dtype} values, not numbers")
-    if np.any(np.isinf(values)):
-        row = int(np.argmax(np.isinf(values)))
+    huge = np.abs(values) > LARGEST
+    if huge.any():
+        row = int(np.argmax(huge))
         raise BadInput(f"column {quoted(name)}, row {row + 1}: {values[row]} is not a measurement")
     return values
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from twin.errors import BadInput, UnknownName
-from twin.logs.cells import quoted
+from twin.logs.cells import LARGEST, quoted
 from twin.logs.log import Log
 from twin.logs.parquet_table import read_parquet
 from twin.logs.setup_block import setup_from
@@ -48,7 +48,7 @@ def _table(path: Path) -> Table:
     for column, cells in read_parquet(path).items():
         if isinstance(cells, list) or cells.dtype.kind not in "iuf":
             raise BadInput(f"{path.name}: column {quoted(column)} does not hold numbers")
-        if cells.dtype.kind == "f" and np.any(np.isinf(cells)):
-            raise BadInput(f"{path.name}: column {quoted(column)} holds an infinity")
+        if cells.dtype.kind == "f" and np.any(np.abs(cells) > LARGEST):
+            raise BadInput(f"{path.name}: column {quoted(column)} holds a value beyond {LARGEST:g}")
         table[column] = cells
     return table

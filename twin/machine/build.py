@@ -15,7 +15,7 @@ from twin.machine.files import model_path
 from twin.machine.ground_frame import quaternion, world_from_ground
 from twin.machine.hitch import Hitch
 from twin.physics import block
-from twin.physics.block import Engine, Head, Plough, Soil, Wheel
+from twin.physics.block import Coupling, Engine, Head, Plough, Soil, Wheel
 from twin.physics.callback import install
 from twin.scenario import Scenario
 from twin.soils import LAWS
@@ -73,7 +73,8 @@ def build(scenario: Scenario) -> Machine:
     spec.add_numeric(name="tractor_twin", size=block.SIZE, data=[0.0] * block.SIZE)
     model = spec.compile()
     hitch = _hitch(spec)
-    _engage(model, scenario, numbers)
+    reflected = numbers["engine.inertia_kgm2"] * scenario.drive.gear_ratio**2
+    model.dof_armature[model.joint("drive").dofadr[0]] = reflected
     model.numeric_data[-block.SIZE :] = _block(scenario, model, numbers, rotation)
     axle_height_m = model.body("tractor").pos[2]
     work_rad = 0.0
@@ -86,9 +87,7 @@ def build(scenario: Scenario) -> Machine:
 
 def _leave_plough(spec: Any) -> None:
     spec.delete(spec.body("plough.frame"))
-    for element in (*spec.tendons, *spec.equalities):
-        if element.name == "top_link":
-            spec.delete(element)
+    spec.delete(spec.tendon("top_link"))
 
 
 def _add_ground(spec: Any, rotation: Array) -> None:
@@ -104,13 +103,13 @@ def _add_ground(spec: Any, rotation: Array) -> None:
 
 
 def _add_activations(spec: Any) -> None:
-    """Tyre deflections and brake wind-ups: MuJoCo activations whose rates our callback gives."""
-    names = [f"{w}_tyre_{axis}" for w in block.WHEELS for axis in "xy"]
-    for name in (*names, "rl_brake", "rr_brake"):
+    """Tyre deflections and wind-ups: MuJoCo activations whose rates our callback gives."""
+    tyres = [f"{w}_tyre_{axis}" for w in block.WHEELS for axis in "xy"]
+    for name in (*tyres, *(f"{c}_windup" for c in block.COUPLINGS)):
         actuator = spec.add_actuator(
             name=name,
             trntype=mujoco.mjtTrn.mjTRN_JOINT,
-            target=f"{name[:2]}_spin",
+            target="drive",
             dyntype=mujoco.mjtDyn.mjDYN_USER,
         )
         actuator.gainprm[0] = 0.0
@@ -127,16 +126,6 @@ def _hitch(spec: Any) -> Hitch:
     )
 
 
-def _engage(model: Any, scenario: Scenario, numbers: dict[str, float]) -> None:
-    """Front axle, differential lock, and the engine's inertia as the locked rear axle feels it."""
-    drive = scenario.drive
-    model.eq_active0[model.equality("all_wheel_drive").id] = drive.all_wheel_drive
-    model.eq_active0[model.equality("diff_lock").id] = drive.differential_lock
-    reflected = 0.5 * numbers["engine.inertia_kgm2"] * drive.gear_ratio**2
-    for wheel in ("rl", "rr"):
-        model.dof_armature[model.joint(f"{wheel}_spin").dofadr[0]] = reflected
-
-
 def _block(scenario: Scenario, model: Any, numbers: dict[str, float], rotation: Array) -> Array:
     """The parameter block of twin.physics.block."""
     out = np.zeros(block.SIZE)
@@ -148,8 +137,6 @@ def _block(scenario: Scenario, model: Any, numbers: dict[str, float], rotation: 
         Head.NORMAL_Y: normal[1],
         Head.NORMAL_Z: normal[2],
         Head.SEED: scenario.seed,
-        Head.THROTTLE: model.actuator("throttle").id,
-        Head.BRAKE: model.actuator("brake").id,
         Head.RATES: block.RATE_SLOTS,
         Head.PLOUGH_BODY: _body(model, "plough.frame"),
         Head.DEPTH_WHEEL_BODY: _body(model, "plough.depth_wheel"),
@@ -166,7 +153,10 @@ def _block(scenario: Scenario, model: Any, numbers: dict[str, float], rotation: 
         Soil.DRAFT_CV: scenario.soil.draft_cv,
         Soil.DRAFT_LENGTH_M: scenario.soil.draft_length_m,
     }
-    parts = [(0, head), (block.SOIL, soil), (block.ENGINE, _engine(scenario, numbers))]
+    parts = [(0, head), (block.SOIL, soil), (block.ENGINE, _engine(scenario, model, numbers))]
+    for i, name in enumerate(block.COUPLINGS):
+        part = _coupling(model, name, numbers, scenario.drive.gear_ratio)
+        parts.append((block.COUPLING + i * Coupling.SIZE, part))
     for i, wheel in enumerate(block.WHEELS):
         parts.append((block.WHEEL + i * Wheel.SIZE, _wheel(model, wheel, numbers)))
     if scenario.plough is not None:
@@ -199,8 +189,6 @@ def _wheel(model: Any, wheel: str, numbers: dict[str, float]) -> dict[Any, float
         Wheel.BODY: model.body(f"{wheel}_wheel").id,
         Wheel.SPIN: int(model.joint(f"{wheel}_spin").dofadr[0]),
         Wheel.TYRE: _activation(model, f"{wheel}_tyre_x"),
-        Wheel.BRAKE: _activation(model, f"{wheel}_brake") if axle == "rear" else -1,
-        Wheel.DRIVEN: float(axle == "rear"),
         **_named(numbers, f"tyre_{axle}", sizes),
     }
 
@@ -210,13 +198,32 @@ def _activation(model: Any, actuator: str) -> int:
     return int(model.actuator_actadr[model.actuator(actuator).id])
 
 
-def _engine(scenario: Scenario, numbers: dict[str, float]) -> dict[Any, float]:
-    brakes = (Engine.BRAKE_TORQUE_NM, Engine.BRAKE_WINDUP_RAD, Engine.BRAKE_DAMPING_S)
+def _engine(scenario: Scenario, model: Any, numbers: dict[str, float]) -> dict[Any, float]:
     own = tuple(f for f in Engine if f < Engine.GEAR_RATIO)
     return {
         **_named(numbers, "engine", own),
         Engine.GEAR_RATIO: scenario.drive.gear_ratio,
-        **{f: _number(numbers, f.name.lower().replace("brake_", "brake.")) for f in brakes},
+        Engine.FRONT_RATIO: _number(numbers, "front_drive.ratio"),
+        Engine.SHAFT: int(model.joint("drive").dofadr[0]),
+        Engine.THROTTLE: model.actuator("throttle").id,
+    }
+
+
+CONTROLS = {"clutch": "clutch_pedal", "lock": "differential_lock", "front_drive": "front_drive"}
+
+
+def _coupling(
+    model: Any, name: str, numbers: dict[str, float], gear_ratio: float
+) -> dict[Any, float]:
+    kind = name.removesuffix("_rl").removesuffix("_rr")
+    sizes = (Coupling.CAPACITY_NM, Coupling.WINDUP_RAD, Coupling.DAMPING_S)
+    own = _named(numbers, kind, sizes)
+    if kind == "clutch":  # it sits at the engine, the wind-up is the axle's
+        own[Coupling.CAPACITY_NM] *= gear_ratio
+    return {
+        Coupling.CONTROL: model.actuator(CONTROLS.get(kind, "brake")).id,
+        Coupling.WINDUP: _activation(model, f"{name}_windup"),
+        **own,
     }
 
 
@@ -238,10 +245,7 @@ def _set_plough(
     """Set top link and depth wheel so that the plough works level at its depth; the link angle."""
     sole_m = numbers["plough.sole_below_hitch_m"]
     work_rad = hitch.lift_rad_at(sole_m - plough.depth_m, axle_height_m)
-    top_link = model.equality("top_link").id
-    model.eq_data[top_link, 0] = (
-        hitch.top_length_m(work_rad, -work_rad) - model.tendon_length0[model.tendon("top_link").id]
-    )
+    model.tendon_lengthspring[model.tendon("top_link").id] = hitch.top_length_m(work_rad, -work_rad)
     weight_n = GRAVITY_MPS2 * model.body_subtreemass[_body(model, "plough.frame")]
     carried_n = plough.wheel_share * (weight_n + downward_n(numbers, plough.depth_m))
     sag_m = carried_n / numbers["plough.depth_wheel.stiffness_npm"]
@@ -260,7 +264,9 @@ def downward_n(numbers: dict[str, float], depth_m: float, scale: float = 0.85) -
 def _unloaded_speed_mps(scenario: Scenario, numbers: dict[str, float]) -> float:
     """Speed at which the governed engine just carries its own losses."""
     drive = scenario.drive
-    droop = numbers["engine.droop_rpm_per_nm"] * numbers["engine.no_load_rpm"] / drive.engine_set_rpm
+    droop = (
+        numbers["engine.droop_rpm_per_nm"] * numbers["engine.no_load_rpm"] / drive.engine_set_rpm
+    )
     rpm = drive.engine_set_rpm - 2.5 * droop * numbers["engine.parasitic_nm"]
     radius_m = numbers["tyre_rear.free_rolling_radius_m"]
     return rpm * math.pi / 30.0 / drive.gear_ratio * radius_m
@@ -270,14 +276,13 @@ def _settled(model: Any, qpos: Array) -> Array:
     """Where the machine comes to rest with the brakes on and the plough carried. Shape (nq,)."""
     state = mujoco.MjData(model)
     state.qpos[:] = qpos
-    state.ctrl[[model.actuator("brake").id, model.actuator("lift").id]] = 1.0, RAISED_RAD
+    for control, value in (("brake", 1.0), ("clutch_pedal", 1.0), ("lift", RAISED_RAD)):
+        state.ctrl[model.actuator(control).id] = value
     mujoco.mj_step(model, state, round(SETTLE_S / model.opt.timestep))
     return np.array(state.qpos)
 
 
-def _start(
-    model: Any, scenario: Scenario, rotation: Array, hitch: Hitch, work_rad: float
-) -> Array:
+def _start(model: Any, scenario: Scenario, rotation: Array, hitch: Hitch, work_rad: float) -> Array:
     """Standing on the ground at the start of the course, the plough carried. Shape (nq,)."""
     qpos = model.qpos0.copy()
     qpos[:3] = rotation @ np.array([0.0, 0.0, model.body("tractor").pos[2]])

@@ -79,5 +79,16 @@ def drive(task: Task, hands: Hands, seen: Observed, dt_s: float) -> Hands:
     return Hands(steer, lift, trim, full)
 
 
+def ackermann(steer_rad: float, wheelbase_m: float, track_m: float) -> tuple[float, float]:
+    """Angles of the left and right front wheel for a bicycle's steering angle.
+
+    tan(left) = L tan(delta) / (L - t/2 tan(delta)) ; right with the other sign of t
+    """
+    tangent = math.tan(steer_rad)
+    half = 0.5 * track_m * tangent
+    rise = wheelbase_m * tangent
+    return math.atan2(rise, wheelbase_m - half), math.atan2(rise, wheelbase_m + half)
+
+
 def _towards(now: float, wanted: float, step: float) -> float:
     return now + max(-step, min(step, wanted - now))

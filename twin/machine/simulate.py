@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from twin.errors import TwinError
 from twin.machine.build import RAISED_RAD, Machine
 from twin.machine.columns import Recorder
-from twin.machine.driver import Hands, Observed, Task, drive
+from twin.machine.driver import Hands, Observed, Task, ackermann, drive
 from twin.machine.trajectory import Trajectory
 from twin.physics import block
 from twin.physics.block import MachineSlot
@@ -22,6 +22,10 @@ from twin.physics.block import MachineSlot
 DECISION_STEPS = 10
 """Physics steps between two decisions of the driver."""
 CHUNK_DECISIONS = 50
+CONTROLS = (
+    "throttle", "clutch_pedal", "brake", "steer_left", "steer_right", "lift",
+    "differential_lock", "front_drive",
+)  # fmt: skip
 STALL_MPS = 0.05
 STALL_S = 5.0
 DEPTH_SLOT = block.MACHINE_SLOTS + int(MachineSlot.DEPTH_M)
@@ -41,7 +45,8 @@ class Cab:
         self.qpos, self.qvel = self.batch.bind("qpos"), self.batch.bind("qvel")
         self.ctrl, self.userdata = self.batch.bind("ctrl"), self.batch.bind("userdata")
         self.dt_s = float(model.opt.timestep)
-        self.controls = [model.actuator(n).id for n in ("throttle", "brake", "steer", "lift")]
+        self.controls = [model.actuator(name).id for name in CONTROLS]
+        self.track_m = 2.0 * float(model.body("fl_knuckle").pos[1])
         plough = machine.scenario.plough
         self.task = Task(
             wheelbase_m=float(model.body("front_axle").pos[0]),
@@ -63,6 +68,8 @@ class Cab:
             axle = "front" if wheel[0] == "f" else "rear"
             radius = machine.numbers[f"tyre_{axle}.free_rolling_radius_m"]
             self.qvel[0, model.joint(f"{wheel}_spin").dofadr[0]] = speed / radius
+        rear_m = machine.numbers["tyre_rear.free_rolling_radius_m"]
+        self.qvel[0, model.joint("drive").dofadr[0]] = speed / rear_m
 
     def observe(self) -> Observed:
         """What the driver sees now."""
@@ -81,8 +88,12 @@ class Cab:
     def act(self) -> dict[Any, NDArray[Any]]:
         """Decide, then run to the next decision; what was recorded after each step."""
         self.hands = drive(self.task, self.hands, self.observe(), DECISION_STEPS * self.dt_s)
-        values = (self.task.throttle, 0.0, self.hands.steer_rad, self.hands.lift_rad)
-        self.ctrl[0, self.controls] = values
+        left, right = ackermann(self.hands.steer_rad, self.task.wheelbase_m, self.track_m)
+        levers = self.machine.scenario.drive
+        self.ctrl[0, self.controls] = (
+            self.task.throttle, 0.0, 0.0, left, right, self.hands.lift_rad,
+            float(levers.differential_lock), float(levers.all_wheel_drive),
+        )  # fmt: skip
         return self.batch.rollout(DECISION_STEPS, record=("sensordata", "userdata"))
 
     def finished(self, seen: Observed) -> bool:
@@ -119,6 +130,8 @@ def _check(cab: Cab, time_s: float) -> None:
     warned = np.flatnonzero(cab.batch.warning[0, :, 1])
     if len(warned):
         name = mujoco.mjtWarning(int(warned[0])).name
-        raise Diverged(f"MuJoCo warned ({name}) in '{cab.machine.scenario.name}' after {time_s:.2f} s")
+        raise Diverged(
+            f"MuJoCo warned ({name}) in '{cab.machine.scenario.name}' after {time_s:.2f} s"
+        )
     if not np.all(np.isfinite(cab.qpos)):
         raise Diverged(f"qpos is not finite in '{cab.machine.scenario.name}' after {time_s:.2f} s")

@@ -26,12 +26,10 @@ class Head(IntEnum):
     SEED = 5
     ORIGIN_X_M = 6  # where on the unbounded field this simulation stands
     ORIGIN_Y_M = 7
-    THROTTLE = 8  # address of the control
-    BRAKE = 9
-    RATES = 10  # first slot of the activation rates
-    PLOUGH_BODY = 11  # -1 without a plough
-    DEPTH_WHEEL_BODY = 12
-    SIZE = 13
+    RATES = 8  # first slot of the activation rates
+    PLOUGH_BODY = 9  # -1 without a plough
+    DEPTH_WHEEL_BODY = 10
+    SIZE = 11
 
 
 class Soil(IntEnum):
@@ -54,23 +52,21 @@ class Wheel(IntEnum):
 
     BODY = 0
     SPIN = 1  # address of the joint's velocity
-    TYRE = 2  # actuator of the longitudinal deflection; the lateral one follows
-    BRAKE = 3  # actuator of the brake's wind-up, -1 without a brake
-    DRIVEN = 4
-    WIDTH_M = 5
-    DIAMETER_M = 6
-    DEFLECTION_RATIO = 7
-    FREE_ROLLING_RADIUS_M = 8
-    STIFFNESS_NPM = 9
-    DAMPING_NSPM = 10
-    RELAXATION_LONG_M = 11
-    RELAXATION_LAT_M = 12
-    LATERAL_RATIO = 13
-    SIZE = 14
+    TYRE = 2  # activation of the longitudinal deflection; the lateral one follows
+    WIDTH_M = 3
+    DIAMETER_M = 4
+    DEFLECTION_RATIO = 5
+    FREE_ROLLING_RADIUS_M = 6
+    STIFFNESS_NPM = 7
+    DAMPING_NSPM = 8
+    RELAXATION_LONG_M = 9
+    RELAXATION_LAT_M = 10
+    LATERAL_RATIO = 11
+    SIZE = 12
 
 
 class Engine(IntEnum):
-    """Governed diesel, transmission, brakes; see models/taishan_1404a/README.md."""
+    """Governed diesel and transmission; see models/taishan_1404a/README.md."""
 
     RATED_TORQUE_NM = 0
     RATED_RPM = 1
@@ -82,10 +78,24 @@ class Engine(IntEnum):
     PARASITIC_NM = 7
     TRANSMISSION_EFFICIENCY = 8
     GEAR_RATIO = 9
-    BRAKE_TORQUE_NM = 10
-    BRAKE_WINDUP_RAD = 11
-    BRAKE_DAMPING_S = 12
+    FRONT_RATIO = 10  # turns of the front axle per turn of the rear
+    SHAFT = 11  # address of the drive shaft's velocity, at the rear axle's speed
+    THROTTLE = 12  # address of the control
     SIZE = 13
+
+
+class Coupling(IntEnum):
+    """A friction element: elastic up to its capacity, then sliding."""
+
+    CONTROL = 0  # address of the control that applies it
+    WINDUP = 1  # address of its activation
+    CAPACITY_NM = 2
+    WINDUP_RAD = 3  # twist at capacity
+    DAMPING_S = 4
+    SIZE = 5
+
+
+COUPLINGS = ("clutch", "lock", "front_drive", "brake_rl", "brake_rr")
 
 
 class Plough(IntEnum):
@@ -109,7 +119,8 @@ class Plough(IntEnum):
 SOIL = int(Head.SIZE)
 WHEEL = SOIL + int(Soil.SIZE)
 ENGINE = WHEEL + 4 * int(Wheel.SIZE)
-PLOUGH = ENGINE + int(Engine.SIZE)
+COUPLING = ENGINE + int(Engine.SIZE)
+PLOUGH = COUPLING + len(COUPLINGS) * int(Coupling.SIZE)
 SIZE = PLOUGH + int(Plough.SIZE)
 
 

@@ -16,9 +16,10 @@ from numba import carray, types
 
 from twin.errors import BadInput
 from twin.physics import block, layout, memory, rigid
-from twin.physics.block import Engine, Head, MachineSlot, Plough, Soil, Wheel, WheelSlot
+from twin.physics.block import Coupling, Engine, Head, MachineSlot, Plough, Wheel, WheelSlot
 from twin.physics.compiled import c_callback, law
-from twin.physics.engine import axle_torque_nm, brake_windup_rate, engine_torque_nm, radps_to_rpm
+from twin.physics.coupling import twist
+from twin.physics.engine import axle_torque_nm, engine_torque_nm, radps_to_rpm
 from twin.physics.plough import depth_wheel_force, share_force
 from twin.physics.tyre import roll_wheel
 
@@ -40,6 +41,8 @@ XPOS, XMAT, CVEL, SUBTREE_COM, CDOF, QVEL, ACT, CTRL, QFRC_PASSIVE, USERDATA = (
     )
 )  # fmt: skip
 SOIL, WHEEL, ENGINE, PLOUGH = block.SOIL, block.WHEEL, block.ENGINE, block.PLOUGH
+COUPLING, COUPLING_SIZE = block.COUPLING, int(Coupling.SIZE)
+CLUTCH, LOCK, FRONT_DRIVE, BRAKE_RL, BRAKE_RR = range(5)
 WHEEL_SIZE, WHEEL_SLOTS = int(Wheel.SIZE), int(WheelSlot.SIZE)
 MACHINE_SLOTS, MAGIC, BLOCK_SIZE = block.MACHINE_SLOTS, block.MAGIC, block.SIZE
 
@@ -68,27 +71,46 @@ def last_dof(model, body):
 
 
 @law
+def couple(parameters, which, pedal, rate_radps, act, ctrl, dt_s, rates):
+    """Torque of one friction element; a pedal releases it, a lever applies it."""
+    at = COUPLING + which * COUPLING_SIZE
+    element = parameters[at : at + COUPLING_SIZE]
+    control, windup = ctrl[int(element[Coupling.CONTROL])], int(element[Coupling.WINDUP])
+    applied = 1.0 - control if pedal else control
+    torque, rates[windup] = twist(element, applied, act[windup], rate_radps, dt_s)
+    return torque
+
+
+@law
 def drive(parameters, qvel, act, ctrl, passive, dt_s, slots, rates):
-    """Torque of engine and brakes on the rear wheels."""
-    head, engine = parameters, parameters[ENGINE:PLOUGH]
-    left, right = WHEEL + 2 * WHEEL_SIZE, WHEEL + 3 * WHEEL_SIZE
-    spin_l, spin_r = int(parameters[left + Wheel.SPIN]), int(parameters[right + Wheel.SPIN])
-    engine_radps = engine[Engine.GEAR_RATIO] * 0.5 * (qvel[spin_l] + qvel[spin_r])
-    torque = engine_torque_nm(engine, ctrl[int(head[Head.THROTTLE])], radps_to_rpm(engine_radps))
-    axle = axle_torque_nm(engine, torque)
-    passive[spin_l] += 0.5 * axle
-    passive[spin_r] += 0.5 * axle
-    applied, braking = ctrl[int(head[Head.BRAKE])], 0.0
-    for at in (left, right):
-        spin, windup = int(parameters[at + Wheel.SPIN]), int(parameters[at + Wheel.BRAKE])
-        rate = brake_windup_rate(engine, applied, act[windup], qvel[spin])
-        rates[windup] = rate
-        held = act[windup] + dt_s * rate + engine[Engine.BRAKE_DAMPING_S] * rate
-        brake = -applied * engine[Engine.BRAKE_TORQUE_NM] * min(max(held, -1.0), 1.0)
-        passive[spin] += brake
-        braking += brake
+    """Engine, clutch, differential with its lock, front-axle drive, and brakes."""
+    engine = parameters[ENGINE:COUPLING]
+    fl, fr, rl, rr = (
+        int(parameters[WHEEL + Wheel.SPIN]),
+        int(parameters[WHEEL + WHEEL_SIZE + Wheel.SPIN]),
+        int(parameters[WHEEL + 2 * WHEEL_SIZE + Wheel.SPIN]),
+        int(parameters[WHEEL + 3 * WHEEL_SIZE + Wheel.SPIN]),
+    )
+    shaft, ratio = int(engine[Engine.SHAFT]), engine[Engine.FRONT_RATIO]
+    engine_radps = engine[Engine.GEAR_RATIO] * qvel[shaft]
+    torque = engine_torque_nm(
+        engine, ctrl[int(engine[Engine.THROTTLE])], radps_to_rpm(engine_radps)
+    )
+    rear_rate = qvel[shaft] - 0.5 * (qvel[rl] + qvel[rr])
+    front_rate = ratio * qvel[shaft] - 0.5 * (qvel[fl] + qvel[fr])
+    rear = couple(parameters, CLUTCH, True, rear_rate, act, ctrl, dt_s, rates)
+    front = couple(parameters, FRONT_DRIVE, False, front_rate, act, ctrl, dt_s, rates)
+    lock = couple(parameters, LOCK, False, qvel[rl] - qvel[rr], act, ctrl, dt_s, rates)
+    brake_l = couple(parameters, BRAKE_RL, False, qvel[rl], act, ctrl, dt_s, rates)
+    brake_r = couple(parameters, BRAKE_RR, False, qvel[rr], act, ctrl, dt_s, rates)
+    passive[shaft] += axle_torque_nm(engine, torque) - rear - ratio * front
+    passive[rl] += 0.5 * rear - lock - brake_l
+    passive[rr] += 0.5 * rear + lock - brake_r
+    passive[fl] += 0.5 * front
+    passive[fr] += 0.5 * front
     slots[MachineSlot.ENGINE_RADPS], slots[MachineSlot.ENGINE_TORQUE_NM] = engine_radps, torque
-    slots[MachineSlot.AXLE_TORQUE_NM], slots[MachineSlot.BRAKE_TORQUE_NM] = axle, braking
+    slots[MachineSlot.AXLE_TORQUE_NM] = rear
+    slots[MachineSlot.BRAKE_TORQUE_NM] = brake_l + brake_r
 
 
 @law
@@ -129,7 +151,10 @@ def ground_forces(model, data):
         return
     parameters = carray(memory.doubles(model, NUMERIC_DATA), address + BLOCK_SIZE)[address:]
     nv, nbody = memory.size(model, NV), memory.size(model, NBODY)
-    xpos, xmat = carray(memory.doubles(data, XPOS), (nbody, 3)), carray(memory.doubles(data, XMAT), (nbody, 9))
+    xpos, xmat = (
+        carray(memory.doubles(data, XPOS), (nbody, 3)),
+        carray(memory.doubles(data, XMAT), (nbody, 9)),
+    )
     cvel = carray(memory.doubles(data, CVEL), (nbody, 6))
     com = carray(memory.doubles(data, SUBTREE_COM), (nbody, 3))
     cdof, parent = carray(memory.doubles(data, CDOF), (nv, 6)), memory.ints(model, DOF_PARENTID)
@@ -148,7 +173,15 @@ def ground_forces(model, data):
             slots[w * WHEEL_SLOTS : (w + 1) * WHEEL_SLOTS], rates,
         )  # fmt: skip
         rigid.push(
-            passive, cdof, parent, last_dof(model, body), com, root, rigid.row3(xpos, body), force, torque
+            passive,
+            cdof,
+            parent,
+            last_dof(model, body),
+            com,
+            root,
+            rigid.row3(xpos, body),
+            force,
+            torque,
         )
     machine = slots[MACHINE_SLOTS:rate_slots]
     machine[:] = 0.0
@@ -164,7 +197,9 @@ def activation_rate(model, data, actuator):
     if address < 0:
         return 0.0
     rate_slots = int(memory.doubles(model, NUMERIC_DATA)[address + Head.RATES])
-    return memory.doubles(data, USERDATA)[rate_slots + memory.ints(model, ACTUATOR_ACTADR)[actuator]]
+    return memory.doubles(data, USERDATA)[
+        rate_slots + memory.ints(model, ACTUATOR_ACTADR)[actuator]
+    ]
 
 
 @cache

@@ -1,4 +1,4 @@
-"""A diesel with a mechanical governor, and brakes."""
+"""A diesel with a mechanical governor."""
 
 from __future__ import annotations
 
@@ -48,14 +48,6 @@ def axle_torque_nm(engine, torque_nm):
     net = torque_nm - engine[Engine.PARASITIC_NM]
     eta = engine[Engine.TRANSMISSION_EFFICIENCY]
     return net * engine[Engine.GEAR_RATIO] * (eta if net > 0.0 else 1.0 / eta)
-
-
-@law
-def brake_windup_rate(engine, applied, windup, rate_radps):
-    """Rate of a brake's wind-up u in [-1, 1] (Dahl): du/dt = (w - |w| u) / u_max; lets go in 0.1 s."""
-    if applied <= 0.0:
-        return -windup / 0.1
-    return (rate_radps - abs(rate_radps) * windup) / engine[Engine.BRAKE_WINDUP_RAD]
 
 
 @law

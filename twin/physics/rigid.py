@@ -63,9 +63,18 @@ def axis(xmat, body, k):
 def to_world(xpos, xmat, body, point_b):
     """World position of a point given in a body's frame."""
     return (
-        xpos[body, 0] + xmat[body, 0] * point_b[0] + xmat[body, 1] * point_b[1] + xmat[body, 2] * point_b[2],
-        xpos[body, 1] + xmat[body, 3] * point_b[0] + xmat[body, 4] * point_b[1] + xmat[body, 5] * point_b[2],
-        xpos[body, 2] + xmat[body, 6] * point_b[0] + xmat[body, 7] * point_b[1] + xmat[body, 8] * point_b[2],
+        xpos[body, 0]
+        + xmat[body, 0] * point_b[0]
+        + xmat[body, 1] * point_b[1]
+        + xmat[body, 2] * point_b[2],
+        xpos[body, 1]
+        + xmat[body, 3] * point_b[0]
+        + xmat[body, 4] * point_b[1]
+        + xmat[body, 5] * point_b[2],
+        xpos[body, 2]
+        + xmat[body, 6] * point_b[0]
+        + xmat[body, 7] * point_b[1]
+        + xmat[body, 8] * point_b[2],
     )
 
 

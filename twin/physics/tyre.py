@@ -72,9 +72,8 @@ def roll_wheel(head, soil, wheel, xpos, xmat, cvel, com, root, act, dt_s, slots,
     roll, side = rigid.dot(velocity, ahead), rigid.dot(velocity, left)
     rate = rigid.dot(rigid.angular_velocity(cvel, body), axle)
     deflection = 0.5 * wheel[Wheel.DIAMETER_M] - rigid.dot(hub, normal)
-    load = (
-        wheel[Wheel.STIFFNESS_NPM] * deflection
-        - wheel[Wheel.DAMPING_NSPM] * rigid.dot(velocity, normal)
+    load = wheel[Wheel.STIFFNESS_NPM] * deflection - wheel[Wheel.DAMPING_NSPM] * rigid.dot(
+        velocity, normal
     )
     u_x, u_y = act[tyre], act[tyre + 1]
     slots[:] = 0.0

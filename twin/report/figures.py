@@ -27,7 +27,7 @@ MOST_POINTS = 700
 SMALLEST_M = 1e-3
 """Sideslip that never reaches this is not drawn [m]."""
 
-STYLE = {
+STYLE: Any = {
     "svg.fonttype": "none",  # text stays text, in the page's own font
     "font.family": "sans-serif",
     "font.size": 9.0,
@@ -105,8 +105,7 @@ def path(truth: Table | None, streams: Streams) -> str:
     def draw(axes: Axes) -> None:
         if has_fixes:
             fixes = thinned(streams["gnss"])
-            points = {"ls": "none", "marker": ".", "ms": 3.0}
-            axes.plot(fixes["east_m"], fixes["north_m"], color=SEA, label="antenna", **points)
+            axes.plot(fixes["east_m"], fixes["north_m"], ".", ms=3.0, color=SEA, label="antenna")
         if truth is not None and has_truth:
             rows = thinned(truth)
             axes.plot(rows["east_m"], rows["north_m"], color=TRUTH_COLOUR, label="truth, rear axle")
@@ -239,7 +238,7 @@ def _legend(axes: Axes) -> None:
     named = [(h, label) for h, label in zip(handles, labels, strict=True) if label]
     if named:
         chosen, names = zip(*named, strict=True)
-        place = {"loc": "lower left", "bbox_to_anchor": (-0.02, 0.98), "borderaxespad": 0.0}
+        place: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 0.98), "borderaxespad": 0.0}
         axes.legend(chosen, names, ncols=5, handlelength=1.2, columnspacing=1.2, **place)
 
 

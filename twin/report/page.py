@@ -17,22 +17,32 @@ from twin.table import HEADERS, score_rows, slip_lines
 CSS = """
 :root { color-scheme: light; --ink: #1b1b1b; --soft: #5c5c5c; --line: #dcdcdc }
 * { box-sizing: border-box }
-body { margin: 0 auto; padding: 1.5rem 1rem 4rem; max-width: 72rem; color: var(--ink); background: #fff;
-  font: 16px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif }
+body { margin: 0 auto; padding: 1.5rem 1rem 4rem; max-width: 72rem; color: var(--ink);
+  background: #fff; font: 16px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, sans-serif }
 h1 { font-size: 1.6rem; line-height: 1.2; margin: 0 0 .3rem; overflow-wrap: anywhere }
 h2 { font-size: 1.1rem; margin: 2.2rem 0 .5rem }
-p { margin: .4rem 0 } .soft, figcaption { color: var(--soft); font-size: .9rem }
-.wide { overflow-x: auto } table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem }
-th, td { padding: .3rem .6rem; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap }
-th:first-child, td:first-child { text-align: left; padding-left: 0 } thead th { color: var(--soft); font-weight: 600 }
-dl { display: grid; grid-template-columns: repeat(auto-fill, minmax(9rem, 1fr)); gap: .6rem 1rem; margin: .8rem 0 }
-dt { color: var(--soft); font-size: .85rem } dd { margin: 0; font-size: 1.15rem; font-variant-numeric: tabular-nums }
-.figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 27rem), 1fr)); gap: 0 2rem; align-items: start }
-figure { margin: .3rem 0 0 } p.soft { max-width: 45rem } svg.figure { width: 100%; height: auto; display: block }
+p { margin: .4rem 0 }
+p.soft { max-width: 45rem }
+li { overflow-wrap: anywhere }
+.soft, figcaption { color: var(--soft); font-size: .9rem }
+.wide { overflow-x: auto }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem }
+th, td { padding: .3rem .6rem; text-align: right; white-space: nowrap }
+th, td { border-bottom: 1px solid var(--line) }
+th:first-child, td:first-child { text-align: left; padding-left: 0 }
+thead th { color: var(--soft); font-weight: 600 }
+dl { display: grid; grid-template-columns: repeat(auto-fill, minmax(9rem, 1fr)) }
+dl { gap: .6rem 1rem; margin: .8rem 0 }
+dt { color: var(--soft); font-size: .85rem }
+dd { margin: 0; font-size: 1.15rem; font-variant-numeric: tabular-nums }
+.figures { display: grid; gap: 0 2rem; align-items: start;
+  grid-template-columns: repeat(auto-fit, minmax(min(100%, 27rem), 1fr)) }
+figure { margin: .3rem 0 0 }
+svg.figure { width: 100%; height: auto; display: block }
 code, pre { font: .88rem/1.5 ui-monospace, "SF Mono", Menlo, Consolas, monospace }
 pre { background: #f5f5f5; padding: .7rem .9rem; white-space: pre-wrap; overflow-wrap: anywhere }
 .parameters td { white-space: normal; overflow-wrap: anywhere }
-@media print { body { max-width: none; font-size: 11pt } figure { break-inside: avoid } }
+@media print { body { max-width: none; font-size: 11pt } section { break-inside: avoid } }
 """
 
 VERSIONS = ("tractor-twin", "mujoco", "numpy", "numba", "rerun-sdk")
@@ -181,4 +191,5 @@ def _table(headers: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
     body = "".join(
         "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
     )
-    return f'<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    return f'<div class="wide">{table}</div>'
