@@ -1,4 +1,7 @@
-"""What is driven, by name; a name leads to "module:attribute", so that listing imports nothing heavy."""
+"""What is driven, by name.
+
+A name leads to "module:attribute", so that listing imports nothing heavy.
+"""
 
 REGISTRY: dict[str, str] = {
     "plough-15cm": "scenarios.plough:CM_15",

@@ -1,4 +1,7 @@
-"""Ploughing at four depths: the field experiment of Fu et al. (INMATEH 77-13), one parameter set."""
+"""Ploughing at four depths.
+
+The field experiment of Fu et al. (INMATEH 77-13), one parameter set.
+"""
 
 from __future__ import annotations
 

@@ -74,6 +74,7 @@ def test_a_run_writes_its_folder_and_prints_the_table(
     assert json.loads(Path("runs/stub-seed7/scenario.json").read_text())["soil"]["friction"] == 0.8
     out, err = capsys.readouterr()
     assert "ekf4" in out
+    assert "sideslip [m]" in out
     assert err == ""
 
 
@@ -158,6 +159,44 @@ def test_interrupted_is_130_and_leaves_nothing(
     assert cli.main(["run", "stub"]) == 130
     assert os.listdir() == []
     assert capsys.readouterr().err == "twin: interrupted; nothing was written\n"
+
+
+SHARED = Path(__file__).parents[2] / "shared" / "data" / "t7165s_field.csv"
+MAP = Path(__file__).parents[1] / "examples" / "t7165s.toml"
+
+
+@pytest.mark.skipif(not SHARED.exists(), reason="the tractor's log is not beside the checkout")
+@pytest.mark.skipif(not MAP.exists(), reason="examples are not beside the tests")
+def test_a_real_log_gives_its_steady_slip(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    args = ["estimate", str(SHARED), "--map", str(MAP), "--out", str(tmp_path / "log"), "--json"]
+    assert cli.main([*args, "--estimators", "ratio"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["steady"]["slip_median"] == pytest.approx(0.070, abs=0.015)  # data/README.md
+    assert found["steady_slip"]["ratio"]["median"] == pytest.approx(0.070, abs=0.015)
+    assert {"report.html", "run.rrd", "scores.json"} <= set(os.listdir(tmp_path / "log"))
+
+
+def test_a_run_folder_is_a_log_with_its_truth(
+    stub: list[Any], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from twin.commands import estimate
+
+    class Still(Silent):
+        def run(self, state: None, chunk: Any) -> tuple[None, dict[str, Any]]:
+            epoch_ns = chunk["wheels"]["epoch_ns"]
+            return None, {"epoch_ns": epoch_ns, "slip": 0.0 * epoch_ns}
+
+    monkeypatch.setattr(registry, "load", lambda kind, name: Still())
+    monkeypatch.setattr(estimate, "_pictures", dict)
+    truth = synthetic_run(duration_s=12.0)
+    from twin import runfolder
+
+    runfolder.write(truth, {}, Path("drive"))
+    assert cli.main(["estimate", "drive", "--out", "again", "--json", "--estimators", "still"]) == 0
+    slip = json.loads(capsys.readouterr().out)["estimators"]["still"]["slip"]
+    assert slip["bias"] == pytest.approx(-0.1, abs=0.01)
 
 
 def test_bench_writes_its_rows(

@@ -1,4 +1,7 @@
-"""What a run is made of: frozen, typed, checked when made; every field can be overridden by name."""
+"""What a run is made of: frozen, typed, checked when made.
+
+Every field can be overridden by name.
+"""
 
 from __future__ import annotations
 
@@ -105,7 +108,10 @@ class Drive:
 
 @dataclass(frozen=True, kw_only=True)
 class Course:
-    """Where it is driven: a straight line; with a plough, an approach first with the plough raised."""
+    """Where it is driven: a straight line.
+
+    With a plough, an approach first with the plough raised.
+    """
 
     approach_m: float = 15.0
     """Distance before the plough is lowered, or before the scored part [m]."""

@@ -28,17 +28,24 @@ class Preset:
 
 
 PRESETS: dict[str, Preset] = {
-    "firm": Preset(about="firm field, CI 1200 kPa (D497 firm)", cone_index_kpa=1200.0, draft_scale=0.85),
+    "firm": Preset(
+        about="firm field, CI 1200 kPa (D497 firm)", cone_index_kpa=1200.0, draft_scale=0.85,
+    ),
     "tilled": Preset(about="tilled field, CI 900 kPa (D497 tilled)", cone_index_kpa=900.0),
-    "soft": Preset(about="soft or sandy field, CI 450 kPa (D497 soft)", cone_index_kpa=450.0, draft_scale=0.45),
+    "soft": Preset(
+        about="soft or sandy field, CI 450 kPa (D497 soft)", cone_index_kpa=450.0, draft_scale=0.45,
+    ),
     "asphalt": Preset(
         about="asphalt, beyond Brixius' range: k, c0, m assumed",
-        cone_index_kpa=4000.0, friction=0.95, slip_rate=20.0, rolling_moment=0.015, mobility_resistance=0.5,
+        cone_index_kpa=4000.0, friction=0.95, slip_rate=20.0, rolling_moment=0.015,
+        mobility_resistance=0.5,
     ),
     "gravel": Preset(
         about="gravel road, beyond Brixius' range: k, c0 assumed",
         cone_index_kpa=2500.0, friction=0.70, slip_rate=12.0, rolling_moment=0.025,
     ),
-    "grass": Preset(about="short grass on firm soil; friction assumed", cone_index_kpa=1500.0, friction=0.65),
+    "grass": Preset(
+        about="short grass on firm soil; friction assumed", cone_index_kpa=1500.0, friction=0.65,
+    ),
 }  # fmt: skip
 """Cone indices of the fields: ASABE D497's classes. The roads and grass are extrapolations."""

@@ -1,12 +1,13 @@
 """The truth an estimate is scored against, from a noise-free trajectory.
 
-Slip has one definition, per wheel and for the driven axle (means of w R and v over the driven wheels):
+Slip has one definition, per wheel and for the driven axle (means of w R and v over the driven
+wheels):
 
     s = (w R - v) / max(|w R|, |v|, 0.05 m/s)
 
-v is the wheel centre's velocity along its rolling direction on the ground, R the radius at which the
-law's own slip is zero. Sideslip is measured in the ground plane, with x the body's x axis projected
-on it and y = n x x:
+v is the wheel centre's velocity along its rolling direction on the ground, R the radius at which
+the law's own slip is zero. Sideslip is measured in the ground plane, with x the body's x axis
+projected on it and y = n x x:
 
     beta = atan2(v_y, v_x)        sideslip amount = integral of v_y dt
 

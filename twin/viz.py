@@ -99,7 +99,8 @@ def view(path: Path) -> None:
     import sys
 
     command = [sys.executable, "-m", "rerun", str(path)]
-    subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    quiet = subprocess.DEVNULL
+    subprocess.Popen(command, stdout=quiet, stderr=quiet, start_new_session=True)
 
 
 # --- what is logged -------------------------------------------------------------------------

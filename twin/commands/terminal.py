@@ -24,6 +24,7 @@ def console(*, stderr: bool = False) -> Console:
 def print_scores(scores: Mapping[str, Any]) -> None:
     """The score table, and above it what was driven."""
     from rich import box
+    from rich.markup import escape
     from rich.table import Table
 
     rows = score_rows(scores)
@@ -31,9 +32,9 @@ def print_scores(scores: Mapping[str, Any]) -> None:
         return
     table = Table(box=box.SIMPLE_HEAD, title=_title(scores), title_justify="left", pad_edge=False)
     for i, header in enumerate(HEADERS):
-        table.add_column(header, justify="left" if i == 0 else "right", no_wrap=i == 0)
+        table.add_column(escape(header), justify="left" if i == 0 else "right", no_wrap=i == 0)
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*(escape(cell) for cell in row))
     console().print(table)
 
 

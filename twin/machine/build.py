@@ -153,7 +153,11 @@ def _block(scenario: Scenario, model: Any, numbers: dict[str, float], rotation: 
         Soil.DRAFT_CV: scenario.soil.draft_cv,
         Soil.DRAFT_LENGTH_M: scenario.soil.draft_length_m,
     }
-    parts = [(0, head), (block.SOIL, soil), (block.ENGINE, _engine(scenario, model, numbers))]
+    parts: list[tuple[int, dict[Any, float]]] = [
+        (0, head),
+        (block.SOIL, soil),
+        (block.ENGINE, _engine(scenario, model, numbers)),
+    ]
     for i, name in enumerate(block.COUPLINGS):
         part = _coupling(model, name, numbers, scenario.drive.gear_ratio)
         parts.append((block.COUPLING + i * Coupling.SIZE, part))
@@ -235,7 +239,7 @@ def _plough(model: Any, numbers: dict[str, float]) -> dict[Any, float]:
         out[f] = _number(numbers, "plough." + f.name.lower().replace("wheel_", "depth_wheel."))
     for i in range(int(out[Plough.BODIES])):
         for k, x in enumerate(model.site(f"plough.share_{i + 1}").pos):
-            out[Plough.SHARES + 3 * i + k] = x  # type: ignore[index]
+            out[Plough.SHARES + 3 * i + k] = x
     return out
 
 

@@ -95,7 +95,10 @@ class Recorder:
         return columns
 
     def _laser(self, sensor: Any, n: int) -> dict[str, Array]:
-        """True range of the depth laser and inclination of its beam's frame; none without a plough."""
+        """True range of the depth laser and inclination of its beam's frame.
+
+        None without a plough.
+        """
         if not self.plough:
             names = ("laser_m", "inclination_rad", "plough_pitch_rad")
             return {name: np.full(n, np.nan) for name in names}

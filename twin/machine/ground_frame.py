@@ -1,4 +1,7 @@
-"""The ground plane's frame: x along the course, y to its left, z normal; a rotation of the world's."""
+"""The ground plane's frame: x along the course, y to its left, z normal.
+
+A rotation of the world's.
+"""
 
 from __future__ import annotations
 

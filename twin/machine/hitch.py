@@ -8,7 +8,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class Hitch:
-    """Points of the linkage in the x-z plane; tractor points from the rear axle, mast from the plough."""
+    """Points of the linkage in the x-z plane.
+
+    Tractor points from the rear axle, mast from the plough.
+    """
 
     lower_front: tuple[float, float]
     """Front pivot of the lower links [m]."""
@@ -34,7 +37,7 @@ class Hitch:
         return math.hypot(x - self.top_front[0], z - self.top_front[1])
 
     def lift_rad_at(self, hitch_height_m: float, axle_height_m: float) -> float:
-        """Lower-link angle that puts the hitch points at a height above the ground, tractor level."""
+        """Lower-link angle that puts the hitch points at a height above the ground."""
         rise = hitch_height_m - axle_height_m - self.lower_front[1]
         return math.asin(max(-1.0, min(1.0, rise / self.lower_length_m)))
 

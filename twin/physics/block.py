@@ -1,8 +1,9 @@
 """The parameter block of a compiled model, and the slot table by which the callback reports.
 
-The block is the last <numeric> of the model. It carries everything the laws need, so a compiled model
-says all about itself, and a Batch can vary it per simulation (`Batch.expand("numeric_data")`).
-The slots are `mjData.userdata`, written at every forward pass: they describe the state it started from.
+The block is the last <numeric> of the model. It carries everything the laws need, so a compiled
+model says all about itself, and a Batch can vary it (`Batch.expand("numeric_data")`).
+The slots are `mjData.userdata`, written at every forward pass: they describe the state it started
+from.
 """
 
 from __future__ import annotations

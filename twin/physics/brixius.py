@@ -6,10 +6,11 @@ import math
 
 from twin.physics.block import Soil, Wheel
 from twin.physics.compiled import law
+from twin.physics.shapes import Array
 
 
 @law
-def mobility(soil, wheel, load_n):
+def mobility(soil: Array, wheel: Array, load_n: float) -> float:
     """Mobility number of a tyre on a soil.
 
         Bn = (CI b d / W) (1 + 5 delta/h) / (1 + 3 b/d)
@@ -22,7 +23,9 @@ def mobility(soil, wheel, load_n):
 
 
 @law
-def brixius(soil, wheel, load_n, slip, side_slip):
+def brixius(
+    soil: Array, wheel: Array, load_n: float, slip: float, side_slip: float
+) -> tuple[float, float, float, float, float]:
     """Shear at the patch, motion resistance at the hub, rolling moment on the wheel.
 
         sigma = sqrt(s**2 + (kappa s_y)**2)
@@ -31,8 +34,8 @@ def brixius(soil, wheel, load_n, slip, side_slip):
         M_h   = N (m / Bn + 0.5 |s| / sqrt(Bn))
         M_r   = N c0
 
-    so that gross traction is (F_x + M_r) / N, net traction (F_x - M_h) / N: c0 stands in both of the
-    source's ratios, therefore as a moment on the wheel and not as a pull.
+    so that gross traction is (F_x + M_r) / N, net traction (F_x - M_h) / N: c0 stands in both of
+    the source's ratios, therefore as a moment on the wheel and not as a pull.
 
     Args:
         soil, wheel: parameter blocks (Soil, Wheel).

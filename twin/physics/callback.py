@@ -1,8 +1,8 @@
 """The laws as MuJoCo callbacks: they act in mj_step, rollouts, batches and the viewer alike.
 
-`mjcb_passive` adds the ground's forces on wheels and plough, the engine and the brakes, and reports in
-`userdata`; `mjcb_act_dyn` hands on the rates of the tyres' deflections, which are MuJoCo activations.
-A model without our parameter block is left alone.
+`mjcb_passive` adds the ground's forces on wheels and plough, the engine and the brakes, and
+reports in `userdata`; `mjcb_act_dyn` hands on the rates of the tyres' deflections, which are MuJoCo
+activations. A model without our parameter block is left alone.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from twin.physics.compiled import c_callback, law
 from twin.physics.coupling import twist
 from twin.physics.engine import axle_torque_nm, engine_torque_nm, radps_to_rpm
 from twin.physics.plough import depth_wheel_force, share_force
+from twin.physics.shapes import Array
 from twin.physics.tyre import roll_wheel
 
 _ = layout.offset
@@ -37,7 +38,8 @@ BODY_DOFADR, BODY_DOFNUM, BODY_PARENTID, BODY_ROOTID, DOF_PARENTID = (
 XPOS, XMAT, CVEL, SUBTREE_COM, CDOF, QVEL, ACT, CTRL, QFRC_PASSIVE, USERDATA = (
     _("mjData", n)
     for n in (
-        "xpos", "xmat", "cvel", "subtree_com", "cdof", "qvel", "act", "ctrl", "qfrc_passive", "userdata",
+        "xpos", "xmat", "cvel", "subtree_com", "cdof", "qvel",
+        "act", "ctrl", "qfrc_passive", "userdata",
     )
 )  # fmt: skip
 SOIL, WHEEL, ENGINE, PLOUGH = block.SOIL, block.WHEEL, block.ENGINE, block.PLOUGH
@@ -48,7 +50,7 @@ MACHINE_SLOTS, MAGIC, BLOCK_SIZE = block.MACHINE_SLOTS, block.MAGIC, block.SIZE
 
 
 @law
-def find_block(model):
+def find_block(model: Any) -> int:
     """Address of the parameter block in numeric_data, or -1 for a model that is not ours."""
     count = memory.size(model, NNUMERIC)
     if count == 0:
@@ -62,7 +64,7 @@ def find_block(model):
 
 
 @law
-def last_dof(model, body):
+def last_dof(model: Any, body: int) -> int:
     """The last degree of freedom that moves a body."""
     count, parent = memory.ints(model, BODY_DOFNUM), memory.ints(model, BODY_PARENTID)
     while count[body] == 0:
@@ -71,7 +73,16 @@ def last_dof(model, body):
 
 
 @law
-def couple(parameters, which, pedal, rate_radps, act, ctrl, dt_s, rates):
+def couple(
+    parameters: Array,
+    which: int,
+    pedal: bool,
+    rate_radps: float,
+    act: Array,
+    ctrl: Array,
+    dt_s: float,
+    rates: Array,
+) -> float:
     """Torque of one friction element; a pedal releases it, a lever applies it."""
     at = COUPLING + which * COUPLING_SIZE
     element = parameters[at : at + COUPLING_SIZE]
@@ -82,7 +93,16 @@ def couple(parameters, which, pedal, rate_radps, act, ctrl, dt_s, rates):
 
 
 @law
-def drive(parameters, qvel, act, ctrl, passive, dt_s, slots, rates):
+def drive(
+    parameters: Array,
+    qvel: Array,
+    act: Array,
+    ctrl: Array,
+    passive: Array,
+    dt_s: float,
+    slots: Array,
+    rates: Array,
+) -> None:
     """Engine, clutch, differential with its lock, front-axle drive, and brakes."""
     engine = parameters[ENGINE:COUPLING]
     fl, fr, rl, rr = (
@@ -114,7 +134,18 @@ def drive(parameters, qvel, act, ctrl, passive, dt_s, slots, rates):
 
 
 @law
-def pull_plough(model, parameters, xpos, xmat, cvel, com, cdof, parent, passive, slots):
+def pull_plough(
+    model: Any,
+    parameters: Array,
+    xpos: Array,
+    xmat: Array,
+    cvel: Array,
+    com: Array,
+    cdof: Array,
+    parent: Any,
+    passive: Array,
+    slots: Array,
+) -> None:
     """Soil forces on the plough's bodies and its depth wheel."""
     head, soil, plough = parameters, parameters[SOIL:WHEEL], parameters[PLOUGH:]
     frame, wheel = int(head[Head.PLOUGH_BODY]), int(head[Head.DEPTH_WHEEL_BODY])
@@ -144,7 +175,7 @@ def pull_plough(model, parameters, xpos, xmat, cvel, com, cdof, parent, passive,
 
 
 @law
-def ground_forces(model, data):
+def ground_forces(model: Any, data: Any) -> None:
     """All forces of ground, engine and brakes, added to qfrc_passive."""
     address = find_block(model)
     if address < 0:
@@ -191,7 +222,7 @@ def ground_forces(model, data):
 
 
 @law
-def activation_rate(model, data, actuator):
+def activation_rate(model: Any, data: Any, actuator: int) -> float:
     """Rate of one of our activations, as the passive callback left it; 0 for a foreign model."""
     address = find_block(model)
     if address < 0:

@@ -1,8 +1,9 @@
 """Compile laws with numba, and keep the machine code where a stale copy cannot be found.
 
-numba's own cache looks at the file of the function it compiled, not at the functions that one calls,
-nor at constants taken from elsewhere. So the cache folder's name carries everything the machine code
-depends on: the versions of mujoco and numba, the struct offsets, and the text of every law.
+numba's own cache looks at the file of the function it compiled, not at the functions that one
+calls, nor at constants taken from elsewhere. So the cache folder's name carries everything the
+machine code depends on: the versions of mujoco and numba, the struct offsets, and the text of
+every law.
 """
 
 from __future__ import annotations
@@ -13,12 +14,14 @@ import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import mujoco
 import numba
 
 from twin.physics import layout
+
+Law = TypeVar("Law", bound=Callable[..., Any])
 
 SOURCES = Path(__file__).parent
 
@@ -28,7 +31,7 @@ def cache_key(*extra: str) -> str:
     digest = hashlib.sha256()
     digest.update(f"{mujoco.__version__} {numba.__version__}".encode())
     for name in ("mjModel", "mjData"):
-        for field, _ in layout.struct(name)._fields_:
+        for field in (f[0] for f in layout.struct(name)._fields_):
             digest.update(f"{name}.{field}={layout.offset(name, field)};".encode())
     for source in sorted(SOURCES.glob("*.py")):
         digest.update(source.name.encode() + source.read_bytes())
@@ -39,7 +42,10 @@ def cache_key(*extra: str) -> str:
 
 @cache
 def cache_folder() -> str:
-    """The folder for this key, made if need be; a temporary one where the user's is not writable."""
+    """The folder for this key, made if need be.
+
+    A temporary one where the user's is not writable.
+    """
     base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "tractor-twin"
     folder = base / cache_key()
     try:
@@ -50,9 +56,12 @@ def cache_folder() -> str:
         return tempfile.mkdtemp(prefix="tractor-twin-")
 
 
-def law(function: Callable[..., Any]) -> Any:
+def law(function: Law) -> Law:
     """Compile a pure function of numbers and arrays (numba.njit), cached by content."""
-    return _with_cache_folder(lambda: numba.njit(cache=True, error_model="numpy")(function))
+    compiled: Law = _with_cache_folder(
+        lambda: numba.njit(cache=True, error_model="numpy")(function)
+    )
+    return compiled
 
 
 def c_callback(signature: Any) -> Callable[[Callable[..., Any]], Any]:

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from twin.physics.block import Coupling
 from twin.physics.compiled import law
+from twin.physics.shapes import Array
 
 RELEASE_S = 0.1
 """Time in which a released element unwinds [s]; assumed."""
 
 
 @law
-def twist(element, applied, windup, rate_radps, dt_s):
+def twist(
+    element: Array, applied: float, windup: float, rate_radps: float, dt_s: float
+) -> tuple[float, float]:
     """Torque of an elastic-plastic friction element, and the rate of its wind-up u in [-1, 1].
 
         u' = clip(u + w dt / u_max, -1, 1)        du/dt = (u' - u) / dt
         T  = applied capacity clip(u' + tau du/dt, -1, 1)
 
-    Below capacity it is a spring, so it holds without creeping; at capacity it slides. The torque is
-    taken at the end of the step, as the tyres' shear is.
+    Below capacity it is a spring, so it holds without creeping; at capacity it slides. The torque
+    is taken at the end of the step, as the tyres' shear is.
 
     Returns:
         torque_nm against the relative rate, rate of u [1/s].

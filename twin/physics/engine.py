@@ -6,13 +6,14 @@ import math
 
 from twin.physics.block import Engine
 from twin.physics.compiled import law
+from twin.physics.shapes import Array
 
 MOTORING_NM = 60.0
 """Drag of the unfuelled engine beside its parasitic torque [N m]; assumed."""
 
 
 @law
-def full_load_torque_nm(engine, rpm):
+def full_load_torque_nm(engine: Array, rpm: float) -> float:
     """Full-load torque: a parabola through peak and rated torque, falling to nothing at a stall.
 
     T = T_p - (T_p - T_r) ((n - n_p) / (n_r - n_p))**2 ;  T_p = T_r (1 + rise)
@@ -24,7 +25,7 @@ def full_load_torque_nm(engine, rpm):
 
 
 @law
-def engine_torque_nm(engine, throttle, rpm):
+def engine_torque_nm(engine: Array, throttle: float, rpm: float) -> float:
     """Torque of the governed engine: droop from the no-load set speed, within the full-load curve.
 
         n0 = n_idle + throttle (n_max - n_idle)
@@ -40,10 +41,11 @@ def engine_torque_nm(engine, throttle, rpm):
 
 
 @law
-def axle_torque_nm(engine, torque_nm):
+def axle_torque_nm(engine: Array, torque_nm: float) -> float:
     """Torque at the driven axle: the rest after parasitic load, through the transmission.
 
-    Losses act against the flow of power, so the efficiency divides when the wheels drive the engine.
+    Losses act against the flow of power, so the efficiency divides when the wheels drive the
+    engine.
     """
     net = torque_nm - engine[Engine.PARASITIC_NM]
     eta = engine[Engine.TRANSMISSION_EFFICIENCY]
@@ -51,6 +53,6 @@ def axle_torque_nm(engine, torque_nm):
 
 
 @law
-def radps_to_rpm(rate_radps):
+def radps_to_rpm(rate_radps: float) -> float:
     """Revolutions per minute."""
     return rate_radps * 30.0 / math.pi

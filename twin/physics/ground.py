@@ -1,8 +1,12 @@
-"""The ground as a function of place: random fields made by hashing, so a run can be repeated over it."""
+"""The ground as a function of place.
+
+Random fields made by hashing, so a run can be repeated over it.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +21,7 @@ _MIX_A, _MIX_B = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 
 
 @law
-def node_value(seed, ix, iy):
+def node_value(seed: float, ix: Any, iy: Any) -> float:
     """Uniform random number at a lattice node, mean 0, variance 1.
 
     SplitMix64's finaliser (Steele, Lea, Flood 2014) over the node's coordinates and the seed.
@@ -31,7 +35,7 @@ def node_value(seed, ix, iy):
 
 
 @law
-def random_field(seed, x_m, y_m, length_m):
+def random_field(seed: float, x_m: float, y_m: float, length_m: float) -> float:
     """Smooth random field, mean 0, variance 1 everywhere, nodes `length_m` apart.
 
         f = sum_i w_i g_i / sqrt(sum_i w_i**2)

@@ -15,40 +15,40 @@ def _load(context: Any, builder: Any, base: Any, offset: Any, kind: Any) -> Any:
 
 
 @intrinsic
-def doubles(typing_context, base, offset):
+def doubles(typing_context: Any, base: Any, offset: Any) -> Any:
     """The `double*` stored `offset` bytes into the struct at `base`."""
 
-    def codegen(context, builder, signature, args):
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return _load(context, builder, args[0], args[1], ir.DoubleType().as_pointer())
 
     return types.CPointer(types.float64)(types.voidptr, types.intp), codegen
 
 
 @intrinsic
-def ints(typing_context, base, offset):
+def ints(typing_context: Any, base: Any, offset: Any) -> Any:
     """The `int*` stored `offset` bytes into the struct at `base`."""
 
-    def codegen(context, builder, signature, args):
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return _load(context, builder, args[0], args[1], ir.IntType(32).as_pointer())
 
     return types.CPointer(types.int32)(types.voidptr, types.intp), codegen
 
 
 @intrinsic
-def size(typing_context, base, offset):
+def size(typing_context: Any, base: Any, offset: Any) -> Any:
     """The 64-bit count (mjtSize) stored `offset` bytes into the struct at `base`."""
 
-    def codegen(context, builder, signature, args):
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return _load(context, builder, args[0], args[1], ir.IntType(64))
 
     return types.int64(types.voidptr, types.intp), codegen
 
 
 @intrinsic
-def double(typing_context, base, offset):
+def double(typing_context: Any, base: Any, offset: Any) -> Any:
     """The double stored `offset` bytes into the struct at `base`."""
 
-    def codegen(context, builder, signature, args):
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return _load(context, builder, args[0], args[1], ir.DoubleType())
 
     return types.float64(types.voidptr, types.intp), codegen

@@ -8,6 +8,7 @@ from twin.physics import rigid
 from twin.physics.block import Head, Plough, Soil
 from twin.physics.compiled import law
 from twin.physics.ground import random_field
+from twin.physics.shapes import Array, Vector
 
 STARTING_MPS = 0.05
 """Speed below which the draft of a standing plough fades, and turns viscous [m/s]."""
@@ -16,7 +17,7 @@ LANDSIDE_ANGLE = 0.05
 
 
 @law
-def draft_n(plough, soil, depth_m, speed_mps):
+def draft_n(plough: Array, soil: Array, depth_m: float, speed_mps: float) -> float:
     """Draft of one plough body.
 
         D = F (A + C S**2) w T        S in km/h, w in m, T in cm; F is soil.draft_scale
@@ -29,11 +30,19 @@ def draft_n(plough, soil, depth_m, speed_mps):
 
 
 @law
-def share_force(head, soil, plough, tip, velocity, normal, side_axis):
+def share_force(
+    head: Array,
+    soil: Array,
+    plough: Array,
+    tip: Vector,
+    velocity: Vector,
+    normal: Vector,
+    side_axis: Vector,
+) -> tuple[Vector, float]:
     """Soil force on one share, and its depth.
 
-    Draft against its motion in the ground plane, varied by place; a downward part V = r D; a landside
-    force against sideways drift, up to a share of D.
+    Draft against its motion in the ground plane, varied by place; a downward part V = r D; a
+    landside force against sideways drift, up to a share of D.
 
     Args:
         tip, velocity: of the share's tip, world axes.
@@ -66,7 +75,9 @@ def share_force(head, soil, plough, tip, velocity, normal, side_axis):
 
 
 @law
-def depth_wheel_force(plough, hub, velocity, normal):
+def depth_wheel_force(
+    plough: Array, hub: Vector, velocity: Vector, normal: Vector
+) -> tuple[Vector, float]:
     """Ground force on the depth wheel: a damped spring, and rolling resistance against its motion.
 
     Returns:

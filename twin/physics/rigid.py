@@ -1,20 +1,22 @@
-"""Vectors as tuples, velocities of points, and forces on bodies, in MuJoCo's com-based coordinates."""
+"""Vectors as tuples; points, velocities and forces in MuJoCo's com-based coordinates."""
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from twin.physics.compiled import law
+from twin.physics.shapes import Array, Vector
 
 
 @law
-def dot(a, b):
+def dot(a: Vector, b: Vector) -> float:
     """a . b"""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @law
-def cross(a, b):
+def cross(a: Vector, b: Vector) -> Vector:
     """a x b"""
     return (
         a[1] * b[2] - a[2] * b[1],
@@ -24,43 +26,43 @@ def cross(a, b):
 
 
 @law
-def scaled(k, a):
+def scaled(k: float, a: Vector) -> Vector:
     """k a"""
     return (k * a[0], k * a[1], k * a[2])
 
 
 @law
-def plus(a, b):
+def plus(a: Vector, b: Vector) -> Vector:
     """a + b"""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
 @law
-def minus(a, b):
+def minus(a: Vector, b: Vector) -> Vector:
     """a - b"""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
 @law
-def unit(a):
+def unit(a: Vector) -> Vector:
     """a / |a|"""
     return scaled(1.0 / math.sqrt(dot(a, a)), a)
 
 
 @law
-def row3(array, i):
+def row3(array: Array, i: int) -> Vector:
     """Row i of an (n, 3) array as a tuple."""
     return (array[i, 0], array[i, 1], array[i, 2])
 
 
 @law
-def axis(xmat, body, k):
+def axis(xmat: Array, body: int, k: int) -> Vector:
     """Axis k of a body's frame, in world coordinates."""
     return (xmat[body, k], xmat[body, 3 + k], xmat[body, 6 + k])
 
 
 @law
-def to_world(xpos, xmat, body, point_b):
+def to_world(xpos: Array, xmat: Array, body: int, point_b: Vector) -> Vector:
     """World position of a point given in a body's frame."""
     return (
         xpos[body, 0]
@@ -79,20 +81,33 @@ def to_world(xpos, xmat, body, point_b):
 
 
 @law
-def angular_velocity(cvel, body):
+def angular_velocity(cvel: Array, body: int) -> Vector:
     """Angular velocity of a body, world axes."""
     return (cvel[body, 0], cvel[body, 1], cvel[body, 2])
 
 
 @law
-def point_velocity(cvel, com, body, root, point):
-    """Velocity of a world point that moves with a body; `com` is subtree_com, `root` the tree's root."""
+def point_velocity(cvel: Array, com: Array, body: int, root: int, point: Vector) -> Vector:
+    """Velocity of a world point that moves with a body.
+
+    `com` is subtree_com, `root` the tree's root.
+    """
     linear = (cvel[body, 3], cvel[body, 4], cvel[body, 5])
     return plus(linear, cross(angular_velocity(cvel, body), minus(point, row3(com, root))))
 
 
 @law
-def push(force_out, cdof, parent, last_dof, com, root, point, force, torque):
+def push(
+    force_out: Array,
+    cdof: Array,
+    parent: Any,
+    last_dof: int,
+    com: Array,
+    root: int,
+    point: Vector,
+    force: Vector,
+    torque: Vector,
+) -> None:
     """Add a force at a world point and a torque to generalised forces, along the chain of dofs.
 
     q_j += w_j . (torque + (point - com) x force) + v_j . force

@@ -8,11 +8,18 @@ from twin.physics import rigid
 from twin.physics.block import Head, Soil, Wheel, WheelSlot
 from twin.physics.brixius import brixius
 from twin.physics.compiled import law
+from twin.physics.shapes import Array, Vector
 
 SIGN_SPEED_MPS = 0.03
-"""Speed over which motion resistance changes sign [m/s]: 1 % slip at ploughing speed is about half."""
+"""Speed over which motion resistance changes sign [m/s].
+
+1 % slip at ploughing speed is about half.
+"""
 SHEAR_DAMPING_S = 0.01
-"""Damping of the deflection over its stiffness [s]: keeps a parked wheel from ringing; no steady force."""
+"""Damping of the deflection over its stiffness [s]: keeps a parked wheel from ringing.
+
+No steady force.
+"""
 RADIUS_PER_DEFLECTION = 1.0 / 3.0
 """Loss of rolling radius per deflection; a bias tyre's circumference shortens by a third of it."""
 LIFTED_S = 0.05
@@ -20,21 +27,31 @@ LIFTED_S = 0.05
 
 
 @law
-def smooth_sign(speed, width):
+def smooth_sign(speed: float, width: float) -> float:
     """speed / sqrt(speed**2 + width**2)"""
     return speed / math.sqrt(speed * speed + width * width)
 
 
 @law
-def relaxed_shear(soil, wheel, load_n, spin_mps, roll_mps, side_mps, u_x, u_y, dt_s):
+def relaxed_shear(
+    soil: Array,
+    wheel: Array,
+    load_n: float,
+    spin_mps: float,
+    roll_mps: float,
+    side_mps: float,
+    u_x: float,
+    u_y: float,
+    dt_s: float,
+) -> tuple[float, float, float, float, float, float, float]:
     """Forces of a tyre whose contact patch lags by its deflections u, and the deflections' rates.
 
         du/dt = v_slip - V u / L        V = max(|w R|, |v_x|, |v_y|)
         slip of the patch = u / L       F = law(u / L) + k tau du/dt
 
-    In steady state u / L is the slip of the law's own definition; at rest u is a spring, so a parked
-    wheel sticks. The force is taken at the end of the step (u + dt du/dt), which keeps the pair
-    velocity-deflection from gaining energy. |F| stays within the law's own ceiling.
+    In steady state u / L is the slip of the law's own definition; at rest u is a spring, so a
+    parked wheel sticks. The force is taken at the end of the step (u + dt du/dt), which keeps the
+    pair velocity-deflection from gaining energy. |F| stays within the law's own ceiling.
 
     Returns:
         shear_x_n, shear_y_n, resistance_n, rolling_moment_n, sinkage_m, rate_x, rate_y [m/s].
@@ -56,7 +73,20 @@ def relaxed_shear(soil, wheel, load_n, spin_mps, roll_mps, side_mps, u_x, u_y, d
 
 
 @law
-def roll_wheel(head, soil, wheel, xpos, xmat, cvel, com, root, act, dt_s, slots, rates):
+def roll_wheel(
+    head: Array,
+    soil: Array,
+    wheel: Array,
+    xpos: Array,
+    xmat: Array,
+    cvel: Array,
+    com: Array,
+    root: int,
+    act: Array,
+    dt_s: float,
+    slots: Array,
+    rates: Array,
+) -> tuple[Vector, Vector]:
     """Force and torque of the ground on one wheel, at its hub; fills its slots and rates.
 
     Returns:
@@ -100,7 +130,8 @@ def roll_wheel(head, soil, wheel, xpos, xmat, cvel, com, root, act, dt_s, slots,
         rigid.scaled(x - resistance, ahead),
         rigid.plus(rigid.scaled(y, left), rigid.scaled(load, normal)),
     )
-    # the shear's arm about the axle is the rolling radius, about the rolling direction the loaded one
+    # the shear's arm about the axle is the rolling radius, about the rolling direction the loaded
+    # one
     overturning = (0.5 * wheel[Wheel.DIAMETER_M] - deflection) * y
     torque = rigid.plus(rigid.scaled(-x * radius - moment, axle), rigid.scaled(overturning, ahead))
     return force, torque
