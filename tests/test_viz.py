@@ -12,7 +12,8 @@ import pytest
 from synthetic_run import MJCF, synthetic_run, truth_table
 
 from twin import viz
-from twin.viz_shapes import Shapes, body_poses
+from twin.viz import paths
+from twin.viz.shapes import Shapes, body_poses
 
 MODEL = mujoco.MjModel.from_xml_string(MJCF)
 RUN = synthetic_run(duration_s=8.0)
@@ -32,9 +33,9 @@ def test_a_recording_is_whole_and_holds_what_is_shown(tmp_path: Path) -> None:
     assert "verified without error" in rerun("verify", str(path))
     told = rerun("print", str(path))
     for entity in (
-        f"{viz.TRACTOR}/tractor", f"{viz.TRACTOR}/rear_left", viz.PATH, viz.GROUND, viz.FURROW,
-        f"{viz.SLIP}/truth", f"{viz.SLIP}/ekf4", f"{viz.SLIP}/ekf4/upper", f"{viz.SPEED}/truth",
-        viz.DRAFT, viz.DEPTH,
+        f"{paths.TRACTOR}/tractor", f"{paths.TRACTOR}/rear_left", paths.PATH, paths.GROUND, paths.FURROW,
+        f"{paths.SLIP}/truth", f"{paths.SLIP}/ekf4", f"{paths.SLIP}/ekf4/upper", f"{paths.SPEED}/truth",
+        paths.DRAFT, paths.DEPTH,
     ):  # fmt: skip
         assert f"/{entity}" in told
     assert path.stat().st_size < 2_000_000
@@ -45,7 +46,7 @@ def test_a_log_is_recorded_on_a_map(tmp_path: Path) -> None:
     setup = replace(RUN.setup, origin=(45.35, 11.95, 10.0))
     viz.log(path, streams=RUN.streams, setup=setup, estimates=RUN.estimates)
     assert "verified without error" in rerun("verify", str(path))
-    assert f"/{viz.MAP}" in rerun("print", str(path))
+    assert f"/{paths.MAP}" in rerun("print", str(path))
 
 
 def test_bodies_stand_where_truth_says() -> None:
@@ -72,4 +73,4 @@ def test_only_what_can_be_seen_and_moves_is_drawn() -> None:
 
 def test_a_run_without_a_model_still_shows_its_path(tmp_path: Path) -> None:
     viz.record(RUN, tmp_path / "run.rrd")
-    assert f"/{viz.PATH}" in rerun("print", str(tmp_path / "run.rrd"))
+    assert f"/{paths.PATH}" in rerun("print", str(tmp_path / "run.rrd"))
