@@ -12,6 +12,7 @@ import pytest
 from synthetic_run import MJCF, synthetic_run, truth_table
 
 from twin import viz
+from twin.streams import Streams
 from twin.viz import paths
 from twin.viz.shapes import Shapes, body_poses
 
@@ -33,8 +34,10 @@ def test_a_recording_is_whole_and_holds_what_is_shown(tmp_path: Path) -> None:
     assert "verified without error" in rerun("verify", str(path))
     told = rerun("print", str(path))
     for entity in (
-        f"{paths.TRACTOR}/tractor", f"{paths.TRACTOR}/rear_left", paths.PATH, paths.GROUND, paths.FURROW,
-        f"{paths.SLIP}/truth", f"{paths.SLIP}/ekf4", f"{paths.SLIP}/ekf4/upper", f"{paths.SPEED}/truth",
+        f"{paths.TRACTOR}/tractor",
+        f"{paths.TRACTOR}/rear_left", paths.PATH, paths.GROUND, paths.FURROW,
+        f"{paths.SLIP}/truth", f"{paths.SLIP}/ekf4", f"{paths.SLIP}/ekf4/upper",
+        f"{paths.SPEED}/truth",
         paths.DRAFT, paths.DEPTH,
     ):  # fmt: skip
         assert f"/{entity}" in told
@@ -74,3 +77,8 @@ def test_only_what_can_be_seen_and_moves_is_drawn() -> None:
 def test_a_run_without_a_model_still_shows_its_path(tmp_path: Path) -> None:
     viz.record(RUN, tmp_path / "run.rrd")
     assert f"/{paths.PATH}" in rerun("print", str(tmp_path / "run.rrd"))
+
+
+def test_a_log_of_which_nothing_was_estimated_is_still_a_recording(tmp_path: Path) -> None:
+    viz.log(tmp_path / "log.rrd", streams=Streams({}), setup=RUN.setup, estimates={})
+    assert "verified without error" in rerun("verify", str(tmp_path / "log.rrd"))

@@ -18,6 +18,7 @@ from twin.physics import block
 from twin.physics.block import Coupling, Engine, Head, Plough, Soil, Wheel
 from twin.physics.callback import install
 from twin.scenario import Scenario
+from twin.scenario import Soil as Ground
 from twin.soils import LAWS
 
 Array = NDArray[np.float64]
@@ -86,8 +87,8 @@ def build(scenario: Scenario) -> Machine:
 
 
 def _leave_plough(spec: Any) -> None:
+    spec.delete(spec.tendon("top_link"))  # first: it goes with the body it is tied to
     spec.delete(spec.body("plough.frame"))
-    spec.delete(spec.tendon("top_link"))
 
 
 def _add_ground(spec: Any, rotation: Array) -> None:
@@ -141,21 +142,9 @@ def _block(scenario: Scenario, model: Any, numbers: dict[str, float], rotation: 
         Head.PLOUGH_BODY: _body(model, "plough.frame"),
         Head.DEPTH_WHEEL_BODY: _body(model, "plough.depth_wheel"),
     }
-    preset = scenario.soil.resolved()
-    soil = {
-        Soil.LAW: LAWS.index(scenario.soil.law),
-        Soil.FRICTION: preset.friction,
-        Soil.CONE_INDEX_KPA: preset.cone_index_kpa,
-        Soil.SLIP_RATE: preset.slip_rate,
-        Soil.ROLLING_MOMENT: preset.rolling_moment,
-        Soil.MOBILITY_RESISTANCE: preset.mobility_resistance,
-        Soil.DRAFT_SCALE: preset.draft_scale,
-        Soil.DRAFT_CV: scenario.soil.draft_cv,
-        Soil.DRAFT_LENGTH_M: scenario.soil.draft_length_m,
-    }
     parts: list[tuple[int, dict[Any, float]]] = [
         (0, head),
-        (block.SOIL, soil),
+        (block.SOIL, soil_part(scenario.soil)),
         (block.ENGINE, _engine(scenario, model, numbers)),
     ]
     for i, name in enumerate(block.COUPLINGS):
@@ -169,6 +158,22 @@ def _block(scenario: Scenario, model: Any, numbers: dict[str, float], rotation: 
         for index, value in part.items():
             out[start + index] = value
     return out
+
+
+def soil_part(soil: Ground) -> dict[Any, float]:
+    """The block's numbers of a soil."""
+    preset = soil.resolved()
+    return {
+        Soil.LAW: LAWS.index(soil.law),
+        Soil.FRICTION: preset.friction,
+        Soil.CONE_INDEX_KPA: preset.cone_index_kpa,
+        Soil.SLIP_RATE: preset.slip_rate,
+        Soil.ROLLING_MOMENT: preset.rolling_moment,
+        Soil.MOBILITY_RESISTANCE: preset.mobility_resistance,
+        Soil.DRAFT_SCALE: preset.draft_scale,
+        Soil.DRAFT_CV: soil.draft_cv,
+        Soil.DRAFT_LENGTH_M: soil.draft_length_m,
+    }
 
 
 def _body(model: Any, name: str) -> int:

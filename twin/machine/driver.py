@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 LOOKAHEAD_M = 5.0
 """Distance over which a lateral error is steered out [m]; assumed."""
@@ -56,39 +59,47 @@ class Hands:
 
 
 def drive(task: Task, hands: Hands, seen: Observed, dt_s: float) -> Hands:
-    """The controls for the next interval.
-
-    Steering towards a point ahead, linearised (pure pursuit):
-        delta = -(2 L / d**2) y - (2 L / d) psi
-    """
-    wanted = (
-        -(2.0 * task.wheelbase_m / LOOKAHEAD_M**2) * seen.left_m
-        - (2.0 * task.wheelbase_m / LOOKAHEAD_M) * seen.heading_rad
-    )
-    steer = _towards(hands.steer_rad, max(-0.6, min(0.6, wanted)), STEER_RATE_RADPS * dt_s)
+    """The controls for the next interval."""
+    angle = steer(task.wheelbase_m, hands.steer_rad, seen.left_m, seen.heading_rad, dt_s)
     trim, full = hands.trim_rad, hands.full_depth_at_m
     target = task.raised_rad
     if task.depth_m is not None and seen.along_m >= task.approach_m:
-        if math.isfinite(full):
+        lowered = hands.lift_rad <= task.work_rad + trim
+        if not math.isfinite(full) and seen.depth_m >= FULL_DEPTH * task.depth_m:
+            full = seen.along_m
+        if lowered or math.isfinite(full):
             error_m = task.depth_m - seen.depth_m
             trim = max(-0.15, min(0.15, trim - DEPTH_GAIN_RAD_PER_MS * error_m * dt_s))
-        elif seen.depth_m >= FULL_DEPTH * task.depth_m:
-            full = seen.along_m
         target = task.work_rad + trim
-    lift = _towards(hands.lift_rad, target, LIFT_RATE_RADPS * dt_s)
-    return Hands(steer, lift, trim, full)
+    lift = towards(hands.lift_rad, target, LIFT_RATE_RADPS * dt_s)
+    return Hands(float(angle), float(lift), trim, full)
 
 
-def ackermann(steer_rad: float, wheelbase_m: float, track_m: float) -> tuple[float, float]:
-    """Angles of the left and right front wheel for a bicycle's steering angle.
+def steer(wheelbase_m: float, now_rad: Any, left_m: Any, heading_rad: Any, dt_s: float) -> Any:
+    """The steering angle of a bicycle for the next interval; numbers, or arrays of one shape.
+
+    Towards a point ahead, linearised (pure pursuit):
+        delta = -(2 L / d**2) y - (2 L / d) psi
+    """
+    wanted = (
+        -(2.0 * wheelbase_m / LOOKAHEAD_M**2) * left_m
+        - (2.0 * wheelbase_m / LOOKAHEAD_M) * heading_rad
+    )
+    within = np.maximum(-0.6, np.minimum(0.6, wanted))
+    return towards(now_rad, within, STEER_RATE_RADPS * dt_s)
+
+
+def ackermann(steer_rad: Any, wheelbase_m: float, track_m: float) -> tuple[Any, Any]:
+    """Angles of the left and right front wheel for a bicycle's steering angle; numbers or arrays.
 
     tan(left) = L tan(delta) / (L - t/2 tan(delta)) ; right with the other sign of t
     """
-    tangent = math.tan(steer_rad)
+    tangent = np.tan(steer_rad)
     half = 0.5 * track_m * tangent
     rise = wheelbase_m * tangent
-    return math.atan2(rise, wheelbase_m - half), math.atan2(rise, wheelbase_m + half)
+    return np.arctan2(rise, wheelbase_m - half), np.arctan2(rise, wheelbase_m + half)
 
 
-def _towards(now: float, wanted: float, step: float) -> float:
-    return now + max(-step, min(step, wanted - now))
+def towards(now: Any, wanted: Any, step: float) -> Any:
+    """From `now` towards `wanted`, by `step` at most; numbers, or arrays of one shape."""
+    return now + np.maximum(-step, np.minimum(step, wanted - now))

@@ -28,6 +28,8 @@ CONTROLS = (
 )  # fmt: skip
 STALL_MPS = 0.05
 STALL_S = 5.0
+LOWERING_M = 30.0
+"""Distance in which the plough must reach its depth; the ploughed length counts from there at most."""
 DEPTH_SLOT = block.MACHINE_SLOTS + int(MachineSlot.DEPTH_M)
 
 
@@ -99,26 +101,30 @@ class Cab:
     def finished(self, seen: Observed) -> bool:
         """Whether the course has been driven."""
         course = self.machine.scenario.course
-        start = course.approach_m if self.task.depth_m is None else self.hands.full_depth_at_m
+        start = course.approach_m
+        if self.task.depth_m is not None:
+            start = min(self.hands.full_depth_at_m, start + LOWERING_M)
         return seen.along_m >= start + course.length_m
 
 
 def simulate(machine: Machine, chunk_decisions: int = CHUNK_DECISIONS) -> Iterator[Trajectory]:
     """Drive the scenario's course; trajectories of about a second each, contiguous.
 
-    Ends at the end of the course, or where the tractor has stalled: slower than 0.05 m/s for 5 s.
+    Ends at the end of the course, or where the tractor has stalled: gained less than 0.25 m along it
+    in 5 s, whether it stands, rocks, spins its wheels or slides away.
 
     Raises:
         Diverged: a state is not finite, or MuJoCo warned.
     """
     cab, recorder = Cab(machine), Recorder(machine)
     records: list[dict[Any, NDArray[Any]]] = []
-    standing_s, finished = 0.0, False
+    reached_m, standing_s, finished = 0.0, 0.0, False
     while not finished:
         records.append(cab.act())
         seen = cab.observe()
-        slow = float(np.linalg.norm(cab.qvel[0, :3])) < STALL_MPS
-        standing_s = standing_s + DECISION_STEPS * cab.dt_s if slow else 0.0
+        standing_s += DECISION_STEPS * cab.dt_s
+        if seen.along_m >= reached_m + STALL_MPS * STALL_S:
+            reached_m, standing_s = seen.along_m, 0.0
         finished = cab.finished(seen) or standing_s > STALL_S
         if finished or len(records) == chunk_decisions:
             _check(cab, recorder.time_s)

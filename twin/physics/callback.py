@@ -86,7 +86,8 @@ def couple(
     """Torque of one friction element; a pedal releases it, a lever applies it."""
     at = COUPLING + which * COUPLING_SIZE
     element = parameters[at : at + COUPLING_SIZE]
-    control, windup = ctrl[int(element[Coupling.CONTROL])], int(element[Coupling.WINDUP])
+    control = min(max(ctrl[int(element[Coupling.CONTROL])], 0.0), 1.0)
+    windup = int(element[Coupling.WINDUP])
     applied = 1.0 - control if pedal else control
     torque, rates[windup] = twist(element, applied, act[windup], rate_radps, dt_s)
     return torque
@@ -113,9 +114,9 @@ def drive(
     )
     shaft, ratio = int(engine[Engine.SHAFT]), engine[Engine.FRONT_RATIO]
     engine_radps = engine[Engine.GEAR_RATIO] * qvel[shaft]
-    torque = engine_torque_nm(
-        engine, ctrl[int(engine[Engine.THROTTLE])], radps_to_rpm(engine_radps)
-    )
+    rpm = radps_to_rpm(engine_radps)
+    throttle = min(max(ctrl[int(engine[Engine.THROTTLE])], 0.0), 1.0)
+    torque = engine_torque_nm(engine, throttle, rpm)
     rear_rate = qvel[shaft] - 0.5 * (qvel[rl] + qvel[rr])
     front_rate = ratio * qvel[shaft] - 0.5 * (qvel[fl] + qvel[fr])
     rear = couple(parameters, CLUTCH, True, rear_rate, act, ctrl, dt_s, rates)
@@ -123,7 +124,7 @@ def drive(
     lock = couple(parameters, LOCK, False, qvel[rl] - qvel[rr], act, ctrl, dt_s, rates)
     brake_l = couple(parameters, BRAKE_RL, False, qvel[rl], act, ctrl, dt_s, rates)
     brake_r = couple(parameters, BRAKE_RR, False, qvel[rr], act, ctrl, dt_s, rates)
-    passive[shaft] += axle_torque_nm(engine, torque) - rear - ratio * front
+    passive[shaft] += axle_torque_nm(engine, torque, rpm) - rear - ratio * front
     passive[rl] += 0.5 * rear - lock - brake_l
     passive[rr] += 0.5 * rear + lock - brake_r
     passive[fl] += 0.5 * front

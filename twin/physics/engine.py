@@ -10,6 +10,8 @@ from twin.physics.shapes import Array
 
 MOTORING_NM = 60.0
 """Drag of the unfuelled engine beside its parasitic torque [N m]; assumed."""
+TURNING_RPM = 50.0
+"""Speed within which the parasitic torque changes its sign about rest [rpm]."""
 
 
 @law
@@ -41,15 +43,18 @@ def engine_torque_nm(engine: Array, throttle: float, rpm: float) -> float:
 
 
 @law
-def axle_torque_nm(engine: Array, torque_nm: float) -> float:
+def axle_torque_nm(engine: Array, torque_nm: float, rpm: float) -> float:
     """Torque at the driven axle: the rest after parasitic load, through the transmission.
 
-    Losses act against the flow of power, so the efficiency divides when the wheels drive the
-    engine.
+        T_axle = i eta (T - T_p clip(n / 50 rpm, -1, 1))
+
+    Losses act against the motion and the flow of power: a stalled engine pushed backwards is
+    braked, and the efficiency divides when the wheels drive the engine.
     """
-    net = torque_nm - engine[Engine.PARASITIC_NM]
+    turning = min(max(rpm / TURNING_RPM, -1.0), 1.0)
+    net = torque_nm - engine[Engine.PARASITIC_NM] * turning
     eta = engine[Engine.TRANSMISSION_EFFICIENCY]
-    return net * engine[Engine.GEAR_RATIO] * (eta if net > 0.0 else 1.0 / eta)
+    return net * engine[Engine.GEAR_RATIO] * (eta if net * rpm >= 0.0 else 1.0 / eta)
 
 
 @law

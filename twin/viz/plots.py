@@ -23,6 +23,7 @@ PLOT_RATE_HZ = 20.0
 def plot_all(
     recording: rr.RecordingStream, estimates: Mapping[str, Table], truth: Mapping[str, Array]
 ) -> None:
+    """Slip, speed, sideslip, draft and depth; nothing where a table has no such column."""
     palette = colours(estimates)
     for name, table in estimates.items():
         rows = moving(every(table, PLOT_RATE_HZ))
@@ -79,5 +80,5 @@ def _plot_values(
     known = np.isfinite(values)
     style = rr.SeriesLines(colors=[rgba(colour)], names=[name], widths=[width])
     recording.log(entity, style, static=True)
-    times = times({"epoch_ns": table["epoch_ns"][known]})
-    recording.send_columns(entity, times, rr.Scalars.columns(scalars=values[known]))
+    stamps = times({"epoch_ns": table["epoch_ns"][known]})
+    recording.send_columns(entity, stamps, rr.Scalars.columns(scalars=values[known]))

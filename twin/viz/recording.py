@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
@@ -18,6 +19,7 @@ from twin.viz.plots import plot_all
 from twin.viz.tools import every
 
 POSE_RATE_HZ = 15.0
+NOTHING: Table = {"epoch_ns": np.zeros(1, np.int64)}
 
 
 def record(run: RunLike, path: Path, *, model: Any | None = None) -> None:
@@ -53,9 +55,10 @@ def log(
     reference: Table | None = None,
 ) -> None:
     """Write the estimates of a recorded drive, on a map where its set-up has an origin."""
-    geodetic = setup.origin is not None and "gnss" in streams
+    placed = "gnss" in streams and "east_m" in streams["gnss"]
+    geodetic = setup.origin is not None and placed
     spans = [t for t in (*estimates.values(), *streams.tables.values()) if len(t["epoch_ns"])]
-    with _Recording(path, logged(spans[0], geodetic)) as recording:
+    with _Recording(path, logged(spans[0] if spans else NOTHING, geodetic)) as recording:
         recording.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
         scene.log_gnss(recording, streams)
         if geodetic:

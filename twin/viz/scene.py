@@ -21,6 +21,7 @@ FURROW_BEHIND_M, SHALLOWEST_M = 3.0, 0.05
 
 
 def log_machine(recording: rr.RecordingStream, truth: Table, model: Any) -> None:
+    """Every body of the model that can be seen, where truth says it was."""
     shapes = Shapes.of(model)
     positions_w, world_from_body = body_poses(model, truth)  # (n, nbody, 3), (n, nbody, 4)
     for body, name in shapes.bodies.items():

@@ -19,6 +19,7 @@ STEP_S = 0.002
 
 
 def times(table: Mapping[str, Array]) -> list[rr.TimeColumn]:
+    """Both timelines of a table's rows."""
     time_s = np.asarray(table["epoch_ns"], np.float64) * 1e-9
     steps = np.round(time_s / STEP_S).astype(np.int64)
     return [rr.TimeColumn(SIM_TIME, duration=time_s), rr.TimeColumn(STEP, sequence=steps)]
@@ -36,6 +37,7 @@ def every(table: Table, rate_hz: float) -> Table:
 
 
 def position_w(truth: Table) -> Array:
+    """Rear-axle centre in the world [m]. Shape (n, 3)."""
     return np.stack([truth["east_m"], truth["north_m"], truth["up_m"]], axis=1)  # (n, 3)
 
 
@@ -48,4 +50,5 @@ def axes_w(truth: Table) -> tuple[Array, Array, Array]:
 
 
 def rgba(colour: str) -> list[int]:
+    """`#rrggbb` or `#rrggbbaa` as numbers."""
     return list(bytes.fromhex(colour.removeprefix("#")))
