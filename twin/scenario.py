@@ -15,6 +15,12 @@ from twin.soils import LAWS, PRESETS, Preset
 MACHINES = {"taishan_1404a": "103 kW two-wheel-drive tractor, 5260 kg, with a four-furrow plough"}
 
 
+FURROW_SIDES = {"right": -1, "none": 0, "left": 1}
+HITCH_MODES = ("depth", "position", "draft", "float")
+MOST_PATCHES = 4
+STEPS_S = (0.0005, 0.001, 0.002)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Soil:
     """The ground's material. What is None follows the preset."""
@@ -33,6 +39,14 @@ class Soil:
     """Coefficient of variation of one share's draft with place [-]."""
     draft_length_m: float = 4.0
     """Distance between independent values of the draft's variation [m]."""
+    ripple_cv: float = 0.08
+    """Coefficient of variation of one share's draft by shear failure, wave by wave [-]."""
+    strength_cv: float | None = None
+    """Coefficient of variation of friction and cone index with place [-]."""
+    rocks_per_100m2: float = 0.0
+    """How many rocks lie in the plough's way."""
+    rock_kn: float = 15.0
+    """Extra draft of a rock at its peak [kN]."""
 
     def __post_init__(self) -> None:
         if self.preset not in PRESETS:
@@ -45,15 +59,38 @@ class Soil:
         check_range("soil.draft_scale", resolved.draft_scale, 0.0, 2.0)
         check_range("soil.draft_cv", self.draft_cv, 0.0, 0.5)
         check_range("soil.draft_length_m", self.draft_length_m, 0.2, 100.0)
+        check_range("soil.ripple_cv", self.ripple_cv, 0.0, 0.5)
+        check_range("soil.strength_cv", resolved.strength_cv, 0.0, 0.3)
+        check_range("soil.rocks_per_100m2", self.rocks_per_100m2, 0.0, 25.0)
+        check_range("soil.rock_kn", self.rock_kn, 0.0, 50.0)
 
     def resolved(self) -> Preset:
         """The preset with this soil's own numbers in place."""
         own = {
             name: value
-            for name in ("friction", "cone_index_kpa", "draft_scale")
+            for name in ("friction", "cone_index_kpa", "draft_scale", "strength_cv")
             if (value := getattr(self, name)) is not None
         }
         return dataclasses.replace(PRESETS[self.preset], **own)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Patch:
+    """A stretch of the course where the soil differs."""
+
+    start_m: float
+    """Where it begins, along the course [m]."""
+    length_m: float
+    friction_factor: float = 1.0
+    """Friction there, over that of the soil around."""
+    cone_index_factor: float = 1.0
+    """Cone index there, over that of the soil around."""
+
+    def __post_init__(self) -> None:
+        check_range("patch.start_m", self.start_m, -1000.0, 10000.0)
+        check_range("patch.length_m", self.length_m, 0.5, 10000.0)
+        check_range("patch.friction_factor", self.friction_factor, 0.1, 2.0)
+        check_range("patch.cone_index_factor", self.cone_index_factor, 0.1, 4.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,10 +103,14 @@ class Field:
     """Slope along the course [deg]; positive rises ahead."""
     roughness_class: str = "smooth"
     """Roughness of the surface; "smooth" is a plane."""
+    patches: tuple[Patch, ...] = ()
+    """Stretches of other soil, four at most; overlapping ones multiply."""
 
     def __post_init__(self) -> None:
         check_range("field.cross_slope_deg", self.cross_slope_deg, -25.0, 25.0)
         check_range("field.grade_deg", self.grade_deg, -15.0, 15.0)
+        if len(self.patches) > MOST_PATCHES:
+            raise OutOfRange("field.patches", len(self.patches), f"0 to {MOST_PATCHES} patches")
         if self.roughness_class != "smooth":
             raise UnknownName("roughness class", self.roughness_class, ("smooth",))
 
@@ -80,10 +121,19 @@ class Plough:
 
     depth_m: float = 0.25
     """Working depth [m]."""
-    wheel_share: float = 0.4
+    wheel_share: float = 0.48
     """Share of the plough's weight and downward soil force the depth wheel is set to carry [-]."""
+    furrow: str = "right"
+    """Side whose wheels run in the last furrow: right, left, or none. A reversible plough turns
+    over at the headland, so the side alternates from pass to pass."""
+    hitch: str = "depth"
+    """How the hitch is controlled: depth (the operator trims it), position, draft or float."""
 
     def __post_init__(self) -> None:
+        if self.furrow not in FURROW_SIDES:
+            raise UnknownName("furrow side", self.furrow, FURROW_SIDES)
+        if self.hitch not in HITCH_MODES:
+            raise UnknownName("hitch mode", self.hitch, HITCH_MODES)
         check_range("plough.depth_m", self.depth_m, 0.05, 0.35)
         check_range("plough.wheel_share", self.wheel_share, 0.0, 1.0)
 
@@ -94,7 +144,7 @@ class Drive:
 
     gear_ratio: float = 66.0
     """Engine turns per turn of the rear axle [-]."""
-    engine_set_rpm: float = 1628.0
+    engine_set_rpm: float = 1660.0
     """No-load speed the governor is set to [rpm]."""
     all_wheel_drive: bool = False
     """Engage the front axle."""
@@ -139,10 +189,14 @@ class Scenario:
     drive: Drive = dataclasses.field(default_factory=Drive)
     course: Course = dataclasses.field(default_factory=Course)
     sensors: Sensors = dataclasses.field(default_factory=Sensors)
+    timestep_s: float = 0.002
+    """Time step of the physics [s]."""
     seed: int = 0
 
     def __post_init__(self) -> None:
         if self.machine not in MACHINES:
             raise UnknownName("machine", self.machine, MACHINES)
+        if self.timestep_s not in STEPS_S:
+            raise OutOfRange("timestep_s", self.timestep_s, f"the choices {STEPS_S}")
         if not 0 <= self.seed < 2**31:
             raise OutOfRange("seed", self.seed, "[0, 2147483647]")

@@ -23,13 +23,15 @@ class Preset:
     """c0: 0.04 bias, 0.0325 radial (Brixius 1987)."""
     mobility_resistance: float = 1.0
     """m in m / Bn: 1.0 bias, 0.9 radial (Brixius 1987)."""
+    strength_cv: float = 0.05
+    """How much friction and cone index vary from place to place [-]; assumed."""
     draft_scale: float = 0.70
     """F of ASABE D497: 1.00 fine, 0.70 medium, 0.45 coarse soils."""
 
 
 PRESETS: dict[str, Preset] = {
     "firm": Preset(
-        about="firm field, CI 1200 kPa (D497 firm)", cone_index_kpa=1200.0, draft_scale=0.85,
+        about="firm field, CI 1200 kPa (D497 firm)", cone_index_kpa=1200.0, draft_scale=0.87,
     ),
     "tilled": Preset(about="tilled field, CI 900 kPa (D497 tilled)", cone_index_kpa=900.0),
     "soft": Preset(
@@ -39,13 +41,14 @@ PRESETS: dict[str, Preset] = {
         about="asphalt, beyond Brixius' range: k, c0, m assumed",
         cone_index_kpa=4000.0, friction=0.95, slip_rate=20.0, rolling_moment=0.015,
         mobility_resistance=0.5,
+        strength_cv=0.01,
     ),
     "gravel": Preset(
         about="gravel road, beyond Brixius' range: k, c0 assumed",
-        cone_index_kpa=2500.0, friction=0.70, slip_rate=12.0, rolling_moment=0.025,
+        cone_index_kpa=2500.0, friction=0.70, slip_rate=12.0, rolling_moment=0.025, strength_cv=0.10,
     ),
     "grass": Preset(
-        about="short grass on firm soil; friction assumed", cone_index_kpa=1500.0, friction=0.65,
+        about="short grass on firm soil; friction assumed", cone_index_kpa=1500.0, friction=0.65, strength_cv=0.10,
     ),
 }  # fmt: skip
 """Cone indices of the fields: ASABE D497's classes. The roads and grass are extrapolations."""

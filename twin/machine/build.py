@@ -15,9 +15,9 @@ from twin.machine.files import model_path
 from twin.machine.ground_frame import quaternion, world_from_ground
 from twin.machine.hitch import Hitch
 from twin.physics import block
-from twin.physics.block import Coupling, Engine, Head, Plough, Soil, Wheel
+from twin.physics.block import Coupling, Engine, Field, Head, Plough, Soil, Wheel
 from twin.physics.callback import install
-from twin.scenario import Scenario
+from twin.scenario import FURROW_SIDES, Scenario
 from twin.scenario import Soil as Ground
 from twin.soils import LAWS
 
@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 GRAVITY_MPS2 = 9.81
 RAISED_RAD = 0.6
 """Lower-link angle with the plough carried."""
+FURROW_AHEAD_M, FURROW_RAMP_M = 2.0, 3.0
+"""The last furrow begins so far before the plough is lowered, and takes so long to its depth."""
 SETTLE_S = 4.0
 """Time in which the machine settles on its tyres before a run."""
 
@@ -70,6 +72,11 @@ def build(scenario: Scenario) -> Machine:
     rotation = world_from_ground(scenario.field, scenario.course)
     _add_ground(spec, rotation)
     _add_activations(spec)
+    if scenario.plough is not None:
+        spec.body("plough.frame").quat = _levelled(furrow_roll_rad(scenario, spec))
+    spec.option.timestep = scenario.timestep_s
+    spec.add_sensor(name="potential_j", type=mujoco.mjtSensor.mjSENS_E_POTENTIAL)
+    spec.add_sensor(name="kinetic_j", type=mujoco.mjtSensor.mjSENS_E_KINETIC)
     spec.nuserdata = block.RATE_SLOTS + 16
     spec.add_numeric(name="tractor_twin", size=block.SIZE, data=[0.0] * block.SIZE)
     model = spec.compile()
@@ -80,10 +87,33 @@ def build(scenario: Scenario) -> Machine:
     axle_height_m = model.body("tractor").pos[2]
     work_rad = 0.0
     if scenario.plough is not None:
-        work_rad = _set_plough(model, scenario.plough, numbers, hitch, axle_height_m)
+        if scenario.plough.furrow != "none":  # one side lower by the depth, the middle by half
+            axle_height_m -= 0.5 * scenario.plough.depth_m
+        work_rad = _set_plough(
+            model,
+            scenario.plough,
+            scenario.soil.resolved().draft_scale,
+            numbers,
+            hitch,
+            axle_height_m,
+        )
     speed = _unloaded_speed_mps(scenario, numbers)
     qpos = _settled(model, _start(model, scenario, rotation, hitch, work_rad))
     return Machine(scenario, model, numbers, rotation, hitch, work_rad, qpos, speed)
+
+
+def furrow_roll_rad(scenario: Scenario, spec: Any) -> float:
+    """Roll of the tractor in the furrow, atan(depth / track); positive lowers the right side."""
+    if scenario.plough is None:
+        return 0.0
+    track_m = 2.0 * float(spec.body("rl_wheel").pos[1])
+    side = FURROW_SIDES[scenario.plough.furrow]
+    return -side * math.atan(scenario.plough.depth_m / track_m)
+
+
+def _levelled(roll_rad: float) -> list[float]:
+    """Rotation of the plough on its links that keeps it upright while the tractor rolls; wxyz."""
+    return [math.cos(0.5 * roll_rad), -math.sin(0.5 * roll_rad), 0.0, 0.0]
 
 
 def _leave_plough(spec: Any) -> None:
@@ -130,20 +160,16 @@ def _hitch(spec: Any) -> Hitch:
 def _block(scenario: Scenario, model: Any, numbers: dict[str, float], rotation: Array) -> Array:
     """The parameter block of twin.physics.block."""
     out = np.zeros(block.SIZE)
-    normal = rotation[:, 2]
     head = {
         Head.MAGIC: block.MAGIC,
         Head.VERSION: block.VERSION,
-        Head.NORMAL_X: normal[0],
-        Head.NORMAL_Y: normal[1],
-        Head.NORMAL_Z: normal[2],
-        Head.SEED: scenario.seed,
         Head.RATES: block.RATE_SLOTS,
         Head.PLOUGH_BODY: _body(model, "plough.frame"),
         Head.DEPTH_WHEEL_BODY: _body(model, "plough.depth_wheel"),
     }
     parts: list[tuple[int, dict[Any, float]]] = [
         (0, head),
+        (block.FIELD, field_part(scenario, numbers, rotation)),
         (block.SOIL, soil_part(scenario.soil)),
         (block.ENGINE, _engine(scenario, model, numbers)),
     ]
@@ -153,7 +179,8 @@ def _block(scenario: Scenario, model: Any, numbers: dict[str, float], rotation: 
     for i, wheel in enumerate(block.WHEELS):
         parts.append((block.WHEEL + i * Wheel.SIZE, _wheel(model, wheel, numbers)))
     if scenario.plough is not None:
-        parts.append((block.PLOUGH, _plough(model, numbers)))
+        side = FURROW_SIDES[scenario.plough.furrow]
+        parts.append((block.PLOUGH, _plough(model, numbers, side)))
     for start, part in parts:
         for index, value in part.items():
             out[start + index] = value
@@ -173,7 +200,33 @@ def soil_part(soil: Ground) -> dict[Any, float]:
         Soil.DRAFT_SCALE: preset.draft_scale,
         Soil.DRAFT_CV: soil.draft_cv,
         Soil.DRAFT_LENGTH_M: soil.draft_length_m,
+        Soil.RIPPLE_CV: soil.ripple_cv,
+        Soil.STRENGTH_CV: preset.strength_cv,
+        Soil.ROCKS_PER_M2: soil.rocks_per_100m2 / 100.0,
+        Soil.ROCK_N: 1e3 * soil.rock_kn,
     }
+
+
+def field_part(scenario: Scenario, numbers: dict[str, float], rotation: Array) -> dict[Any, float]:
+    """Ground plane, furrow and patches, as numbers of the block."""
+    out: dict[Any, float] = {Field.SEED: scenario.seed}
+    for i, axis in enumerate((Field.AHEAD, Field.LEFT, Field.NORMAL)):
+        out |= {axis + k: rotation[k, i] for k in range(3)}
+    if scenario.plough is not None:
+        wall = (Field.FURROW_WIDTH_M, Field.WALL_STIFFNESS_NPM, Field.WALL_DAMPING_NSPM)
+        out |= {
+            Field.FURROW_SIDE: FURROW_SIDES[scenario.plough.furrow],
+            Field.FURROW_DEPTH_M: scenario.plough.depth_m,
+            Field.FURROW_EDGE_M: numbers["furrow.edge_m"],
+            Field.FURROW_START_M: scenario.course.approach_m - FURROW_AHEAD_M,
+            Field.FURROW_RAMP_M: FURROW_RAMP_M,
+            **{f: numbers[f"furrow.{f.name.lower().removeprefix('furrow_')}"] for f in wall},
+        }
+    for i, patch in enumerate(scenario.field.patches):
+        end_m = patch.start_m + patch.length_m
+        values = (patch.start_m, end_m, patch.friction_factor, patch.cone_index_factor)
+        out |= {Field.PATCHES + 4 * i + k: value for k, value in enumerate(values)}
+    return out | {Field.PATCH_COUNT: len(scenario.field.patches)}
 
 
 def _body(model: Any, name: str) -> int:
@@ -236,38 +289,45 @@ def _coupling(
     }
 
 
-def _plough(model: Any, numbers: dict[str, float]) -> dict[Any, float]:
+def _plough(model: Any, numbers: dict[str, float], side: int) -> dict[Any, float]:
     laws = tuple(f for f in Plough if f < Plough.WHEEL_RADIUS_M)
     wheel = tuple(f for f in Plough if Plough.WHEEL_RADIUS_M <= f < Plough.SHARES)
     out = _named(numbers, "plough", laws)
     for f in wheel:
         out[f] = _number(numbers, "plough." + f.name.lower().replace("wheel_", "depth_wheel."))
+    mirror = -1.0 if side < 0 else 1.0  # drawn for a furrow on the left
     for i in range(int(out[Plough.BODIES])):
-        for k, x in enumerate(model.site(f"plough.share_{i + 1}").pos):
-            out[Plough.SHARES + 3 * i + k] = x
+        x, y, z = model.site(f"plough.share_{i + 1}").pos
+        out |= {Plough.SHARES + 3 * i + k: v for k, v in enumerate((x, mirror * y, z))}
     return out
 
 
 def _set_plough(
-    model: Any, plough: Any, numbers: dict[str, float], hitch: Hitch, axle_height_m: float
+    model: Any,
+    plough: Any,
+    draft_scale: float,
+    numbers: dict[str, float],
+    hitch: Hitch,
+    axle_height_m: float,
 ) -> float:
     """Set top link and depth wheel so that the plough works level at its depth; the link angle."""
     sole_m = numbers["plough.sole_below_hitch_m"]
     work_rad = hitch.lift_rad_at(sole_m - plough.depth_m, axle_height_m)
     model.tendon_lengthspring[model.tendon("top_link").id] = hitch.top_length_m(work_rad, -work_rad)
+    expected_n = expected_draft_n(numbers, plough.depth_m, draft_scale)
     weight_n = GRAVITY_MPS2 * model.body_subtreemass[_body(model, "plough.frame")]
-    carried_n = plough.wheel_share * (weight_n + downward_n(numbers, plough.depth_m))
+    carried_n = plough.wheel_share * (weight_n + numbers["plough.vertical_ratio"] * expected_n)
     sag_m = carried_n / numbers["plough.depth_wheel.stiffness_npm"]
     radius_m = numbers["plough.depth_wheel.radius_m"]
     model.body("plough.depth_wheel").pos[2] = plough.depth_m - sole_m + radius_m - sag_m
     return work_rad
 
 
-def downward_n(numbers: dict[str, float], depth_m: float, scale: float = 0.85) -> float:
-    """Downward soil force the operator expects at 5.5 km/h, to set the depth wheel by."""
+def expected_draft_n(numbers: dict[str, float], depth_m: float, draft_scale: float) -> float:
+    """Draft the operator expects at 5.5 km/h (ASABE D497), to set depth wheel and hitch by."""
     specific = numbers["plough.draft_a"] + numbers["plough.draft_c"] * 5.5**2
     width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
-    return numbers["plough.vertical_ratio"] * scale * specific * width_m * 100.0 * depth_m
+    return draft_scale * specific * width_m * 100.0 * depth_m
 
 
 def _unloaded_speed_mps(scenario: Scenario, numbers: dict[str, float]) -> float:

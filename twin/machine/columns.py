@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from twin.machine.build import Machine
 from twin.machine.trajectory import Trajectory
 from twin.physics import block
-from twin.physics.block import MachineSlot, WheelSlot
+from twin.physics.block import MachineSlot, PowerSlot, WheelSlot
 
 Array = NDArray[np.float64]
 
@@ -30,6 +30,7 @@ WHEEL_COLUMNS = {
     "wheel_speed_x_mps": WheelSlot.SPEED_X_MPS,
     "wheel_speed_y_mps": WheelSlot.SPEED_Y_MPS,
     "spin_radps": WheelSlot.RATE_RADPS,
+    "wall_n": WheelSlot.WALL_N,
 }
 MACHINE_COLUMNS = {
     "engine_radps": MachineSlot.ENGINE_RADPS,
@@ -38,8 +39,14 @@ MACHINE_COLUMNS = {
     "draft_n": MachineSlot.DRAFT_N,
     "depth_m": MachineSlot.DEPTH_M,
     "depth_wheel_n": MachineSlot.DEPTH_WHEEL_N,
+    "plough_side_n": MachineSlot.SIDE_N,
+    "landside_n": MachineSlot.LANDSIDE_N,
+}
+POWER_COLUMNS = {
+    f"power_{slot.name.lower()}_w": slot for slot in PowerSlot if slot is not PowerSlot.SIZE
 }
 SENSOR_COLUMNS = (
+    "potential_j", "kinetic_j",
     "position_w", "world_from_body", "velocity_w", "gyro_b", "imu_accel_b", "cg_velocity_w",
     "antenna_main_w", "antenna_main_velocity_w", "antenna_aux_w",
     "fl_steer_rad", "fr_steer_rad", "front_swing_rad", "hitch_rad",
@@ -87,8 +94,15 @@ class Recorder:
         columns["steer_rad"] = 0.5 * (columns["fl_steer_rad"] + columns["fr_steer_rad"])
         wheels = slots[:, : block.MACHINE_SLOTS].reshape(len(slots), 4, int(WheelSlot.SIZE))
         machine = slots[:, block.MACHINE_SLOTS :]
+        powers = slots[:, block.POWER_SLOTS :]
         columns |= {name: wheels[:, :, slot] for name, slot in WHEEL_COLUMNS.items()}
         columns |= {name: machine[:, slot] for name, slot in MACHINE_COLUMNS.items()}
+        columns |= {name: powers[:, slot] for name, slot in POWER_COLUMNS.items()}
+        columns["power_lift_w"] = -sensor("lift_nm") * sensor("lift_radps")
+        columns["power_steer_w"] = -(
+            sensor("steer_left_nm") * sensor("fl_steer_radps")
+            + sensor("steer_right_nm") * sensor("fr_steer_radps")
+        )
         columns["draft_w"] = machine[:, MachineSlot.DRAFT_X_N : MachineSlot.DRAFT_Z_N + 1]
         columns["ground_normal_w"] = np.broadcast_to(self.normal, (len(slots), 3))
         columns |= self._laser(sensor, len(slots))

@@ -16,6 +16,12 @@ LIFT_RATE_RADPS = 0.35
 """How fast the hitch is lowered or raised [rad/s]: about 0.3 m/s at the hitch points."""
 DEPTH_GAIN_RAD_PER_MS = 0.4
 """Correction of the hitch per depth error and second [rad/(m s)]; a hitch of about 1 s... 3 s."""
+DRAFT_GAIN_RADPS = 0.5
+"""Rate of the hitch per relative error of the draft [rad/s]: a band width of about 1 Hz; assumed."""
+DRAFT_DEAD_BAND = 0.05
+"""Relative error of the draft that is let be [-]; a few per cent in practice."""
+FLOAT_RAD = -0.4
+"""Command below any working position: the lift, which only lifts, carries nothing."""
 FULL_DEPTH = 0.95
 """Share of the set depth that counts as full depth."""
 
@@ -31,6 +37,7 @@ class Observed:
     heading_rad: float
     """Heading error, positive turned left."""
     depth_m: float
+    draft_n: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -44,6 +51,10 @@ class Task:
     raised_rad: float
     work_rad: float
     throttle: float
+    hitch: str = "depth"
+    """Hitch control: depth, position, draft or float."""
+    draft_n: float = 0.0
+    """Draft that draft control holds."""
 
 
 @dataclass(frozen=True)
@@ -56,23 +67,25 @@ class Hands:
     """Correction of the hitch found so far."""
     full_depth_at_m: float = math.inf
     """Where the plough first reached full depth."""
+    working: bool = False
+    """In work, not on the headland: the differential may be locked."""
 
 
 def drive(task: Task, hands: Hands, seen: Observed, dt_s: float) -> Hands:
     """The controls for the next interval."""
     angle = steer(task.wheelbase_m, hands.steer_rad, seen.left_m, seen.heading_rad, dt_s)
     trim, full = hands.trim_rad, hands.full_depth_at_m
-    target = task.raised_rad
+    target, working = task.raised_rad, task.depth_m is None
     if task.depth_m is not None and seen.along_m >= task.approach_m:
         lowered = hands.lift_rad <= task.work_rad + trim
         if not math.isfinite(full) and seen.depth_m >= FULL_DEPTH * task.depth_m:
             full = seen.along_m
         if lowered or math.isfinite(full):
-            error_m = task.depth_m - seen.depth_m
-            trim = max(-0.15, min(0.15, trim - DEPTH_GAIN_RAD_PER_MS * error_m * dt_s))
-        target = task.work_rad + trim
+            trim = max(-0.15, min(0.15, trim + _trim_radps(task, seen) * dt_s))
+        working = True
+        target = FLOAT_RAD if task.hitch == "float" else task.work_rad + trim
     lift = towards(hands.lift_rad, target, LIFT_RATE_RADPS * dt_s)
-    return Hands(float(angle), float(lift), trim, full)
+    return Hands(float(angle), float(lift), trim, full, working)
 
 
 def steer(wheelbase_m: float, now_rad: Any, left_m: Any, heading_rad: Any, dt_s: float) -> Any:
@@ -87,6 +100,18 @@ def steer(wheelbase_m: float, now_rad: Any, left_m: Any, heading_rad: Any, dt_s:
     )
     within = np.maximum(-0.6, np.minimum(0.6, wanted))
     return towards(now_rad, within, STEER_RATE_RADPS * dt_s)
+
+
+def _trim_radps(task: Task, seen: Observed) -> float:
+    """Rate at which the hitch is corrected: none inside the dead band, no faster than the valve."""
+    if task.hitch == "depth" and task.depth_m is not None:
+        rate = -DEPTH_GAIN_RAD_PER_MS * (task.depth_m - seen.depth_m)
+    elif task.hitch == "draft":
+        error = (seen.draft_n - task.draft_n) / max(task.draft_n, 1.0)
+        rate = DRAFT_GAIN_RADPS * error if abs(error) > DRAFT_DEAD_BAND else 0.0
+    else:
+        rate = 0.0
+    return max(-LIFT_RATE_RADPS, min(LIFT_RATE_RADPS, rate))
 
 
 def ackermann(steer_rad: Any, wheelbase_m: float, track_m: float) -> tuple[Any, Any]:

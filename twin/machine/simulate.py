@@ -12,15 +12,15 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from twin.errors import TwinError
-from twin.machine.build import RAISED_RAD, Machine
+from twin.machine.build import RAISED_RAD, Machine, expected_draft_n
 from twin.machine.columns import Recorder
 from twin.machine.driver import Hands, Observed, Task, ackermann, drive
 from twin.machine.trajectory import Trajectory
 from twin.physics import block
 from twin.physics.block import MachineSlot
 
-DECISION_STEPS = 10
-"""Physics steps between two decisions of the driver."""
+DECISION_S = 0.02
+"""Time between two decisions of the driver; a whole number of physics steps."""
 CHUNK_DECISIONS = 50
 CONTROLS = (
     "throttle", "clutch_pedal", "brake", "steer_left", "steer_right", "lift",
@@ -31,10 +31,19 @@ STALL_S = 5.0
 LOWERING_M = 30.0
 """Distance in which the plough must reach its depth; the ploughed length counts from there at most."""
 DEPTH_SLOT = block.MACHINE_SLOTS + int(MachineSlot.DEPTH_M)
+DRAFT_SLOT = block.MACHINE_SLOTS + int(MachineSlot.DRAFT_N)
 
 
 class Diverged(TwinError, ArithmeticError):
     """The simulation left the finite numbers, or MuJoCo warned."""
+
+
+def _expected_draft_n(machine: Machine) -> float:
+    scenario = machine.scenario
+    if scenario.plough is None:
+        return 0.0
+    scale = scenario.soil.resolved().draft_scale
+    return expected_draft_n(machine.numbers, scenario.plough.depth_m, scale)
 
 
 class Cab:
@@ -47,6 +56,7 @@ class Cab:
         self.qpos, self.qvel = self.batch.bind("qpos"), self.batch.bind("qvel")
         self.ctrl, self.userdata = self.batch.bind("ctrl"), self.batch.bind("userdata")
         self.dt_s = float(model.opt.timestep)
+        self.steps = round(DECISION_S / self.dt_s)
         self.controls = [model.actuator(name).id for name in CONTROLS]
         self.track_m = 2.0 * float(model.body("fl_knuckle").pos[1])
         plough = machine.scenario.plough
@@ -57,6 +67,8 @@ class Cab:
             raised_rad=RAISED_RAD,
             work_rad=machine.work_rad,
             throttle=machine.throttle,
+            hitch="depth" if plough is None else plough.hitch,
+            draft_n=_expected_draft_n(machine),
         )
         self.hands = Hands(lift_rad=RAISED_RAD)
         self._start_rolling()
@@ -85,18 +97,19 @@ class Cab:
             left_m=float(position[1]),
             heading_rad=math.atan2(ahead[1], ahead[0]),
             depth_m=float(self.userdata[0, DEPTH_SLOT]),
+            draft_n=float(self.userdata[0, DRAFT_SLOT]),
         )
 
     def act(self) -> dict[Any, NDArray[Any]]:
         """Decide, then run to the next decision; what was recorded after each step."""
-        self.hands = drive(self.task, self.hands, self.observe(), DECISION_STEPS * self.dt_s)
+        self.hands = drive(self.task, self.hands, self.observe(), DECISION_S)
         left, right = ackermann(self.hands.steer_rad, self.task.wheelbase_m, self.track_m)
         levers = self.machine.scenario.drive
         self.ctrl[0, self.controls] = (
             self.task.throttle, 0.0, 0.0, left, right, self.hands.lift_rad,
-            float(levers.differential_lock), float(levers.all_wheel_drive),
+            float(levers.differential_lock and self.hands.working), float(levers.all_wheel_drive),
         )  # fmt: skip
-        return self.batch.rollout(DECISION_STEPS, record=("sensordata", "userdata"))
+        return self.batch.rollout(self.steps, record=("sensordata", "userdata"))
 
     def finished(self, seen: Observed) -> bool:
         """Whether the course has been driven."""
@@ -122,7 +135,7 @@ def simulate(machine: Machine, chunk_decisions: int = CHUNK_DECISIONS) -> Iterat
     while not finished:
         records.append(cab.act())
         seen = cab.observe()
-        standing_s += DECISION_STEPS * cab.dt_s
+        standing_s += DECISION_S
         if seen.along_m >= reached_m + STALL_MPS * STALL_S:
             reached_m, standing_s = seen.along_m, 0.0
         finished = cab.finished(seen) or standing_s > STALL_S

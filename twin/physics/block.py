@@ -17,20 +17,36 @@ WHEELS = ("fl", "fr", "rl", "rr")
 
 
 class Head(IntEnum):
-    """What the block begins with: identity, ground plane, random seed, addresses in the model."""
+    """What the block begins with: identity, random seed, addresses in the model."""
 
     MAGIC = 0
     VERSION = 1
-    NORMAL_X = 2  # unit normal of the ground plane through the world's origin
-    NORMAL_Y = 3
-    NORMAL_Z = 4
-    SEED = 5
-    ORIGIN_X_M = 6  # where on the unbounded field this simulation stands
-    ORIGIN_Y_M = 7
-    RATES = 8  # first slot of the activation rates
-    PLOUGH_BODY = 9  # -1 without a plough
-    DEPTH_WHEEL_BODY = 10
-    SIZE = 11
+    RATES = 2  # first slot of the activation rates
+    PLOUGH_BODY = 3  # -1 without a plough
+    DEPTH_WHEEL_BODY = 4
+    SIZE = 5
+
+
+class Field(IntEnum):
+    """The ground's shape and what varies over it, in its own frame: s along, t to the left."""
+
+    AHEAD = 0  # unit vectors of the plane through the world's origin, three numbers each
+    LEFT = 3
+    NORMAL = 6
+    SEED = 9
+    ORIGIN_S_M = 10  # where on the unbounded field this simulation stands
+    ORIGIN_T_M = 11
+    FURROW_SIDE = 12  # +1 left, -1 right, 0 none
+    FURROW_DEPTH_M = 13
+    FURROW_EDGE_M = 14  # |t| of its wall
+    FURROW_START_M = 15  # s where it begins, and over what length it gets its depth
+    FURROW_RAMP_M = 16
+    FURROW_WIDTH_M = 17
+    WALL_STIFFNESS_NPM = 18
+    WALL_DAMPING_NSPM = 19
+    PATCH_COUNT = 20
+    PATCHES = 21  # start, end [m], friction and cone index as factors; four of them
+    SIZE = 21 + 4 * 4
 
 
 class Soil(IntEnum):
@@ -45,7 +61,11 @@ class Soil(IntEnum):
     DRAFT_SCALE = 6
     DRAFT_CV = 7
     DRAFT_LENGTH_M = 8
-    SIZE = 9
+    RIPPLE_CV = 9
+    STRENGTH_CV = 10
+    ROCKS_PER_M2 = 11
+    ROCK_N = 12
+    SIZE = 13
 
 
 class Wheel(IntEnum):
@@ -108,7 +128,7 @@ class Plough(IntEnum):
     DRAFT_C = 3
     VERTICAL_RATIO = 4
     FORCE_DEPTH_RATIO = 5
-    LANDSIDE_RATIO = 6
+    SIDE_RATIO = 6  # side force of the mould-boards, which the landsides take
     WHEEL_RADIUS_M = 7
     WHEEL_STIFFNESS_NPM = 8
     WHEEL_DAMPING_NSPM = 9
@@ -117,7 +137,8 @@ class Plough(IntEnum):
     SIZE = 11 + 3 * 6
 
 
-SOIL = int(Head.SIZE)
+FIELD = int(Head.SIZE)
+SOIL = FIELD + int(Field.SIZE)
 WHEEL = SOIL + int(Soil.SIZE)
 ENGINE = WHEEL + 4 * int(Wheel.SIZE)
 COUPLING = ENGINE + int(Engine.SIZE)
@@ -141,7 +162,8 @@ class WheelSlot(IntEnum):
     SPEED_X_MPS = 10
     SPEED_Y_MPS = 11
     RATE_RADPS = 12
-    SIZE = 13
+    WALL_N = 13
+    SIZE = 14
 
 
 class MachineSlot(IntEnum):
@@ -157,9 +179,33 @@ class MachineSlot(IntEnum):
     DEPTH_M = 7
     DEPTH_WHEEL_N = 8
     BRAKE_TORQUE_NM = 9
-    SIZE = 10
+    SIDE_N = 10  # soil force on the plough to the left
+    LANDSIDE_N = 11
+    SIZE = 12
+
+
+class PowerSlot(IntEnum):
+    """Power that leaves the machine by each way [W], from that way's own force and speed."""
+
+    ENGINE = 0  # what the crank gives: the source, counted positive
+    PARASITIC = 1
+    TRANSMISSION = 2
+    DRIVELINE = 3  # clutch, lock and front drive: slip, damping and wind-up
+    BRAKE = 4
+    SLIP_LONG = 5
+    SLIP_LAT = 6
+    ROLLING = 7
+    TYRE = 8  # vertical springs and dampers
+    WALL = 9
+    DRAWBAR = 10  # soil on the shares, and the drag of the depth wheel
+    DEPTH_WHEEL = 11  # its spring and damper
+    JOINT = 12  # damping of joints and tendons
+    SIZE = 13
 
 
 MACHINE_SLOTS = 4 * int(WheelSlot.SIZE)
-RATE_SLOTS = MACHINE_SLOTS + int(MachineSlot.SIZE)
+POWER_SLOTS = MACHINE_SLOTS + int(MachineSlot.SIZE)
+SCRATCH_SLOTS = POWER_SLOTS + int(PowerSlot.SIZE)
+"""The soil at the place of one wheel or share, while its force is computed."""
+RATE_SLOTS = SCRATCH_SLOTS + int(Soil.SIZE)
 """Slots from here on carry the activation rates from mjcb_passive to mjcb_act_dyn."""

@@ -8,6 +8,7 @@ activations. A model without our parameter block is left alone.
 from __future__ import annotations
 
 import ctypes
+import math
 from functools import cache
 from typing import Any
 
@@ -16,11 +17,33 @@ from numba import carray, types
 
 from twin.errors import BadInput
 from twin.physics import block, layout, memory, rigid
-from twin.physics.block import Coupling, Engine, Head, MachineSlot, Plough, Wheel, WheelSlot
+from twin.physics.block import (
+    Coupling,
+    Engine,
+    Field,
+    Head,
+    MachineSlot,
+    Plough,
+    PowerSlot,
+    Wheel,
+    WheelSlot,
+)
 from twin.physics.compiled import c_callback, law
 from twin.physics.coupling import twist
-from twin.physics.engine import axle_torque_nm, engine_torque_nm, radps_to_rpm
-from twin.physics.plough import depth_wheel_force, share_force
+from twin.physics.engine import (
+    axle_torque_nm,
+    engine_torque_nm,
+    parasitic_torque_nm,
+    radps_to_rpm,
+)
+from twin.physics.ground import field_axis, on_ground, soil_at
+from twin.physics.plough import (
+    depth_wheel_force,
+    draft_factor,
+    draft_n,
+    rock_n,
+    share_force,
+)
 from twin.physics.shapes import Array
 from twin.physics.tyre import roll_wheel
 
@@ -35,14 +58,16 @@ BODY_DOFADR, BODY_DOFNUM, BODY_PARENTID, BODY_ROOTID, DOF_PARENTID = (
     _("mjModel", n)
     for n in ("body_dofadr", "body_dofnum", "body_parentid", "body_rootid", "dof_parentid")
 )
-XPOS, XMAT, CVEL, SUBTREE_COM, CDOF, QVEL, ACT, CTRL, QFRC_PASSIVE, USERDATA = (
+XPOS, XMAT, CVEL, SUBTREE_COM, CDOF, QVEL, ACT, CTRL, QFRC_PASSIVE, QFRC_DAMPER, USERDATA = (
     _("mjData", n)
     for n in (
         "xpos", "xmat", "cvel", "subtree_com", "cdof", "qvel",
-        "act", "ctrl", "qfrc_passive", "userdata",
+        "act", "ctrl", "qfrc_passive", "qfrc_damper", "userdata",
     )
 )  # fmt: skip
-SOIL, WHEEL, ENGINE, PLOUGH = block.SOIL, block.WHEEL, block.ENGINE, block.PLOUGH
+FIELD, SOIL, WHEEL = block.FIELD, block.SOIL, block.WHEEL
+ENGINE, PLOUGH = block.ENGINE, block.PLOUGH
+POWER_SLOTS, SCRATCH_SLOTS = block.POWER_SLOTS, block.SCRATCH_SLOTS
 COUPLING, COUPLING_SIZE = block.COUPLING, int(Coupling.SIZE)
 CLUTCH, LOCK, FRONT_DRIVE, BRAKE_RL, BRAKE_RR = range(5)
 WHEEL_SIZE, WHEEL_SLOTS = int(Wheel.SIZE), int(WheelSlot.SIZE)
@@ -103,6 +128,7 @@ def drive(
     dt_s: float,
     slots: Array,
     rates: Array,
+    powers: Array,
 ) -> None:
     """Engine, clutch, differential with its lock, front-axle drive, and brakes."""
     engine = parameters[ENGINE:COUPLING]
@@ -117,14 +143,17 @@ def drive(
     rpm = radps_to_rpm(engine_radps)
     throttle = min(max(ctrl[int(engine[Engine.THROTTLE])], 0.0), 1.0)
     torque = engine_torque_nm(engine, throttle, rpm)
+    parasitic = parasitic_torque_nm(engine, rpm) * engine_radps
+    output = axle_torque_nm(engine, torque, rpm)
     rear_rate = qvel[shaft] - 0.5 * (qvel[rl] + qvel[rr])
     front_rate = ratio * qvel[shaft] - 0.5 * (qvel[fl] + qvel[fr])
+    lock_rate = qvel[rl] - qvel[rr]
     rear = couple(parameters, CLUTCH, True, rear_rate, act, ctrl, dt_s, rates)
     front = couple(parameters, FRONT_DRIVE, False, front_rate, act, ctrl, dt_s, rates)
-    lock = couple(parameters, LOCK, False, qvel[rl] - qvel[rr], act, ctrl, dt_s, rates)
+    lock = couple(parameters, LOCK, False, lock_rate, act, ctrl, dt_s, rates)
     brake_l = couple(parameters, BRAKE_RL, False, qvel[rl], act, ctrl, dt_s, rates)
     brake_r = couple(parameters, BRAKE_RR, False, qvel[rr], act, ctrl, dt_s, rates)
-    passive[shaft] += axle_torque_nm(engine, torque, rpm) - rear - ratio * front
+    passive[shaft] += output - rear - ratio * front
     passive[rl] += 0.5 * rear - lock - brake_l
     passive[rr] += 0.5 * rear + lock - brake_r
     passive[fl] += 0.5 * front
@@ -132,6 +161,11 @@ def drive(
     slots[MachineSlot.ENGINE_RADPS], slots[MachineSlot.ENGINE_TORQUE_NM] = engine_radps, torque
     slots[MachineSlot.AXLE_TORQUE_NM] = rear
     slots[MachineSlot.BRAKE_TORQUE_NM] = brake_l + brake_r
+    powers[PowerSlot.ENGINE] = torque * engine_radps
+    powers[PowerSlot.PARASITIC] = parasitic
+    powers[PowerSlot.TRANSMISSION] = torque * engine_radps - parasitic - output * qvel[shaft]
+    powers[PowerSlot.DRIVELINE] = rear * rear_rate + front * front_rate + lock * lock_rate
+    powers[PowerSlot.BRAKE] = brake_l * qvel[rl] + brake_r * qvel[rr]
 
 
 @law
@@ -146,32 +180,58 @@ def pull_plough(
     parent: Any,
     passive: Array,
     slots: Array,
+    powers: Array,
+    here: Array,
 ) -> None:
-    """Soil forces on the plough's bodies and its depth wheel."""
-    head, soil, plough = parameters, parameters[SOIL:WHEEL], parameters[PLOUGH:]
+    """Soil forces on the plough's bodies and its depth wheel.
+
+    The drag of the depth wheel is a part of D497's implement draft, so the shares pull less by it.
+    """
+    field, soil = parameters[FIELD:SOIL], parameters[SOIL:WHEEL]
+    head, plough = parameters, parameters[PLOUGH:]
     frame, wheel = int(head[Head.PLOUGH_BODY]), int(head[Head.DEPTH_WHEEL_BODY])
     root, dof = memory.ints(model, BODY_ROOTID)[frame], last_dof(model, frame)
-    normal = (head[Head.NORMAL_X], head[Head.NORMAL_Y], head[Head.NORMAL_Z])
-    none, total, depth_sum = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+    normal, none = field_axis(field, Field.NORMAL), (0.0, 0.0, 0.0)
     left = rigid.axis(xmat, frame, 1)
     left = rigid.unit(rigid.minus(left, rigid.scaled(rigid.dot(left, normal), normal)))
-    for i in range(int(plough[Plough.BODIES])):
-        at = Plough.SHARES + 3 * i
-        tip = rigid.to_world(xpos, xmat, frame, (plough[at], plough[at + 1], plough[at + 2]))
-        velocity = rigid.point_velocity(cvel, com, frame, root, tip)
-        force, depth = share_force(head, soil, plough, tip, velocity, normal, left)
-        above_tip = depth * (1.0 - plough[Plough.FORCE_DEPTH_RATIO])
-        point = rigid.plus(tip, rigid.scaled(above_tip, normal))
-        rigid.push(passive, cdof, parent, dof, com, root, point, force, none)
-        total, depth_sum = rigid.plus(total, force), depth_sum + depth
+    ahead = rigid.cross(left, normal)
+    land = rigid.scaled(1.0 if field[Field.FURROW_SIDE] <= 0.0 else -1.0, left)
+    bodies = int(plough[Plough.BODIES])
+
     hub = rigid.row3(xpos, wheel)
     velocity = rigid.point_velocity(cvel, com, wheel, root, hub)
-    force, load = depth_wheel_force(plough, hub, velocity, normal)
-    rigid.push(passive, cdof, parent, dof, com, root, hub, force, none)
-    total = rigid.plus(total, force)
+    spring, drag, load = depth_wheel_force(plough, hub, velocity, normal)
+    rigid.push(passive, cdof, parent, dof, com, root, hub, rigid.plus(spring, drag), none)
+    powers[PowerSlot.DEPTH_WHEEL] = -rigid.dot(spring, velocity)
+    powers[PowerSlot.DRAWBAR] = -rigid.dot(drag, velocity)
+    total = rigid.plus(spring, drag)
+    relief = max(0.0, -rigid.dot(drag, ahead)) / bodies
+
+    depth_sum = landside_sum = 0.0
+    for i in range(bodies):
+        at = Plough.SHARES + 3 * i
+        tip = rigid.to_world(xpos, xmat, frame, (plough[at], plough[at + 1], plough[at + 2]))
+        s, t, above = on_ground(field, tip)
+        if above >= 0.0:
+            continue
+        velocity = rigid.point_velocity(cvel, com, frame, root, tip)
+        soil_at(field, soil, s, t, here)
+        draft = draft_n(plough, soil, -above, math.sqrt(rigid.dot(velocity, velocity)))
+        draft *= draft_factor(field, soil, s, t, -above)
+        draft = max(0.0, draft - relief) + rock_n(field, soil, s, t, i)
+        force, landside = share_force(plough, draft, velocity, normal, land)
+        up = -above * (1.0 - plough[Plough.FORCE_DEPTH_RATIO])
+        point = rigid.plus(tip, rigid.scaled(up, normal))
+        rigid.push(passive, cdof, parent, dof, com, root, point, force, none)
+        velocity = rigid.point_velocity(cvel, com, frame, root, point)
+        powers[PowerSlot.DRAWBAR] -= rigid.dot(force, velocity)
+        total, depth_sum = rigid.plus(total, force), depth_sum - above
+        landside_sum += landside
     slots[MachineSlot.DRAFT_X_N], slots[MachineSlot.DRAFT_Y_N], slots[MachineSlot.DRAFT_Z_N] = total
-    slots[MachineSlot.DRAFT_N] = -rigid.dot(total, rigid.cross(left, normal))
-    slots[MachineSlot.DEPTH_M] = depth_sum / plough[Plough.BODIES]
+    slots[MachineSlot.DRAFT_N] = -rigid.dot(total, ahead)
+    slots[MachineSlot.SIDE_N] = rigid.dot(total, left)
+    slots[MachineSlot.LANDSIDE_N] = landside_sum
+    slots[MachineSlot.DEPTH_M] = depth_sum / bodies
     slots[MachineSlot.DEPTH_WHEEL_N] = load
 
 
@@ -183,10 +243,8 @@ def ground_forces(model: Any, data: Any) -> None:
         return
     parameters = carray(memory.doubles(model, NUMERIC_DATA), address + BLOCK_SIZE)[address:]
     nv, nbody = memory.size(model, NV), memory.size(model, NBODY)
-    xpos, xmat = (
-        carray(memory.doubles(data, XPOS), (nbody, 3)),
-        carray(memory.doubles(data, XMAT), (nbody, 9)),
-    )
+    xpos = carray(memory.doubles(data, XPOS), (nbody, 3))
+    xmat = carray(memory.doubles(data, XMAT), (nbody, 9))
     cvel = carray(memory.doubles(data, CVEL), (nbody, 6))
     com = carray(memory.doubles(data, SUBTREE_COM), (nbody, 3))
     cdof, parent = carray(memory.doubles(data, CDOF), (nv, 6)), memory.ints(model, DOF_PARENTID)
@@ -194,32 +252,31 @@ def ground_forces(model: Any, data: Any) -> None:
     act, ctrl = memory.doubles(data, ACT), memory.doubles(data, CTRL)
     rate_slots = int(parameters[Head.RATES])
     slots = carray(memory.doubles(data, USERDATA), rate_slots + 64)
-    rates = slots[rate_slots:]
+    rates, powers = slots[rate_slots:], slots[POWER_SLOTS:SCRATCH_SLOTS]
+    here = slots[SCRATCH_SLOTS:rate_slots]
+    slots[MACHINE_SLOTS:SCRATCH_SLOTS] = 0.0
     dt_s = memory.double(model, TIMESTEP)
     for w in range(4):
         wheel = parameters[WHEEL + w * WHEEL_SIZE : WHEEL + (w + 1) * WHEEL_SIZE]
         body = int(wheel[Wheel.BODY])
         root = memory.ints(model, BODY_ROOTID)[body]
         force, torque = roll_wheel(
-            parameters, parameters[SOIL:WHEEL], wheel, xpos, xmat, cvel, com, root, act, dt_s,
-            slots[w * WHEEL_SLOTS : (w + 1) * WHEEL_SLOTS], rates,
+            parameters[FIELD:SOIL], parameters[SOIL:WHEEL], wheel, xpos, xmat, cvel, com, root,
+            act, dt_s, slots[w * WHEEL_SLOTS : (w + 1) * WHEEL_SLOTS], rates, powers, here,
         )  # fmt: skip
         rigid.push(
-            passive,
-            cdof,
-            parent,
-            last_dof(model, body),
-            com,
-            root,
-            rigid.row3(xpos, body),
-            force,
-            torque,
-        )
-    machine = slots[MACHINE_SLOTS:rate_slots]
-    machine[:] = 0.0
-    drive(parameters, qvel, act, ctrl, passive, dt_s, machine, rates)
+            passive, cdof, parent, last_dof(model, body), com, root, rigid.row3(xpos, body),
+            force, torque,
+        )  # fmt: skip
+    machine = slots[MACHINE_SLOTS:POWER_SLOTS]
+    drive(parameters, qvel, act, ctrl, passive, dt_s, machine, rates, powers)
     if parameters[Head.PLOUGH_BODY] >= 0.0:
-        pull_plough(model, parameters, xpos, xmat, cvel, com, cdof, parent, passive, machine)
+        pull_plough(
+            model, parameters, xpos, xmat, cvel, com, cdof, parent, passive, machine, powers, here
+        )
+    damper = memory.doubles(data, QFRC_DAMPER)
+    for j in range(nv):
+        powers[PowerSlot.JOINT] -= damper[j] * qvel[j]
 
 
 @law

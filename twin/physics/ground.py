@@ -10,7 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from twin.physics.block import Field, Soil
 from twin.physics.compiled import law
+from twin.physics.shapes import Array, Vector
+
 
 _MIX_X, _MIX_Y, _MIX_SEED = (
     np.uint64(0x9E3779B97F4A7C15),
@@ -18,6 +21,16 @@ _MIX_X, _MIX_Y, _MIX_SEED = (
     np.uint64(0x165667B19E3779F9),
 )
 _MIX_A, _MIX_B = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
+
+
+EDGE_M = 0.1
+"""Width over which the wall of the furrow falls to its bottom [m]."""
+BLEND_M = 0.5
+"""Length over which one patch of soil passes into the next [m]: about that of a contact."""
+STRENGTH_LENGTH_M = 3.0
+"""Distance between independent values of the soil's strength [m]; assumed."""
+STRENGTH, RIPPLE, ROCKS = 101, 202, 303
+"""What is added to the seed so that the fields are independent of each other."""
 
 
 @law
@@ -56,3 +69,67 @@ def random_field(seed: float, x_m: float, y_m: float, length_m: float) -> float:
         + w11 * node_value(seed, jx + 1, jy + 1)
     )
     return total / math.sqrt(w00 * w00 + w10 * w10 + w01 * w01 + w11 * w11)
+
+
+@law
+def on_ground(field: Array, point: Vector) -> tuple[float, float, float]:
+    """A world point in the ground's frame: s along, t left, h above the plane [m]."""
+    return (
+        field[Field.AHEAD] * point[0]
+        + field[Field.AHEAD + 1] * point[1]
+        + field[Field.AHEAD + 2] * point[2],
+        field[Field.LEFT] * point[0]
+        + field[Field.LEFT + 1] * point[1]
+        + field[Field.LEFT + 2] * point[2],
+        field[Field.NORMAL] * point[0]
+        + field[Field.NORMAL + 1] * point[1]
+        + field[Field.NORMAL + 2] * point[2],
+    )
+
+
+@law
+def field_axis(field: Array, which: int) -> Vector:
+    """A unit vector of the ground's frame, by its place in the block (AHEAD, LEFT, NORMAL)."""
+    return (field[which], field[which + 1], field[which + 2])
+
+
+@law
+def furrow(field: Array, s_m: float, t_m: float) -> tuple[float, float]:
+    """Height of the furrow's bottom below the field, and its slope along the course.
+
+    The wheel path of the last pass: beyond its wall, from where that pass got its depth.
+
+    Returns:
+        height_m (<= 0), dh/ds.
+    """
+    side = field[Field.FURROW_SIDE]
+    if side == 0.0:
+        return 0.0, 0.0
+    beyond = (side * t_m - field[Field.FURROW_EDGE_M]) / EDGE_M
+    along = (s_m - field[Field.FURROW_START_M]) / field[Field.FURROW_RAMP_M]
+    if beyond <= 0.0 or along <= 0.0:
+        return 0.0, 0.0
+    depth = field[Field.FURROW_DEPTH_M] * min(1.0, beyond)
+    if along >= 1.0:
+        return -depth, 0.0
+    slope = 6.0 * along * (1.0 - along) / field[Field.FURROW_RAMP_M]
+    return -depth * along * along * (3.0 - 2.0 * along), -depth * slope
+
+
+@law
+def soil_at(field: Array, soil: Array, s_m: float, t_m: float, out: Array) -> None:
+    """The soil's numbers at a place: patches, and strength that varies from place to place."""
+    out[:] = soil[:]
+    friction = mobility = 1.0
+    for i in range(int(field[Field.PATCH_COUNT])):
+        at = Field.PATCHES + 4 * i
+        inside = min(1.0, max(0.0, min(s_m - field[at], field[at + 1] - s_m) / BLEND_M + 0.5))
+        friction *= 1.0 + inside * (field[at + 2] - 1.0)
+        mobility *= 1.0 + inside * (field[at + 3] - 1.0)
+    cv = soil[Soil.STRENGTH_CV]
+    if cv > 0.0:
+        s, t = s_m + field[Field.ORIGIN_S_M], t_m + field[Field.ORIGIN_T_M]
+        factor = 1.0 + cv * random_field(field[Field.SEED] + STRENGTH, s, t, STRENGTH_LENGTH_M)
+        friction, mobility = friction * factor, mobility * factor
+    out[Soil.FRICTION] *= friction
+    out[Soil.CONE_INDEX_KPA] *= mobility

@@ -5,15 +5,19 @@ from __future__ import annotations
 import math
 
 from twin.physics import rigid
-from twin.physics.block import Head, Plough, Soil
+from twin.physics.block import Field, Plough, Soil
 from twin.physics.compiled import law
-from twin.physics.ground import random_field
+from twin.physics.ground import RIPPLE, ROCKS, node_value, random_field
 from twin.physics.shapes import Array, Vector
 
 STARTING_MPS = 0.05
 """Speed below which the draft of a standing plough fades, and turns viscous [m/s]."""
-LANDSIDE_ANGLE = 0.05
-"""Drift at which the landside bears fully [rad]; assumed."""
+LANDSIDE_ANGLE = 0.03
+"""Drift towards the land at which the landside force has doubled [rad]; assumed."""
+RIPPLE_PER_DEPTH = 0.75
+"""Wave length of shear failure over the depth: 0.5 to 1 in the literature."""
+ROCK_CELL_M, ROCK_LENGTH_M = 10.0, 0.25
+"""A share's path is divided into cells that hold a rock or none; how long it takes to pass one."""
 
 
 @law
@@ -30,58 +34,97 @@ def draft_n(plough: Array, soil: Array, depth_m: float, speed_mps: float) -> flo
 
 
 @law
+def draft_factor(field: Array, soil: Array, s_m: float, t_m: float, depth_m: float) -> float:
+    """Draft at a place over the mean draft: soil that differs, and shear failure that ripples.
+
+    1 + cv f(s, t) + cv_ripple sqrt(2) sin(2 pi (s / lambda + phase(s, t)))
+    """
+    seed = field[Field.SEED]
+    s, t = s_m + field[Field.ORIGIN_S_M], t_m + field[Field.ORIGIN_T_M]
+    factor = 1.0 + soil[Soil.DRAFT_CV] * random_field(seed, s, t, soil[Soil.DRAFT_LENGTH_M])
+    ripple = soil[Soil.RIPPLE_CV]
+    if ripple > 0.0:
+        wave_m = RIPPLE_PER_DEPTH * max(depth_m, 0.05)
+        phase = 0.5 * random_field(seed + RIPPLE, s, t, 4.0 * wave_m)
+        factor += ripple * math.sqrt(2.0) * math.sin(2.0 * math.pi * (s / wave_m + phase))
+    return max(0.1, factor)
+
+
+@law
+def rock_n(field: Array, soil: Array, s_m: float, t_m: float, share: int) -> float:
+    """Extra draft of a rock in a share's way: F sin(pi x / l)**2 while it passes.
+
+    Rocks lie in cells of the share's lane, in each with the probability of its area.
+    """
+    density = soil[Soil.ROCKS_PER_M2]
+    if density <= 0.0:
+        return 0.0
+    s = s_m + field[Field.ORIGIN_S_M]
+    cell = math.floor(s / ROCK_CELL_M)
+    lane = 10 * math.floor(field[Field.ORIGIN_T_M]) + share
+    seed = field[Field.SEED] + ROCKS
+    chance = 0.5 + node_value(seed, int(cell), lane) / math.sqrt(12.0)
+    if chance >= density * ROCK_CELL_M * 0.35:
+        return 0.0
+    where = 0.5 + node_value(seed + 1, int(cell), lane) / math.sqrt(12.0)
+    start = (cell + 0.9 * where) * ROCK_CELL_M
+    x = (s - start) / ROCK_LENGTH_M
+    if x <= 0.0 or x >= 1.0:
+        return 0.0
+    return soil[Soil.ROCK_N] * math.sin(math.pi * x) ** 2
+
+
+@law
 def share_force(
-    head: Array,
-    soil: Array,
     plough: Array,
-    tip: Vector,
+    draft: float,
     velocity: Vector,
     normal: Vector,
-    side_axis: Vector,
+    land: Vector,
 ) -> tuple[Vector, float]:
-    """Soil force on one share, and its depth.
+    """Soil force on one share.
 
-    Draft against its motion in the ground plane, varied by place; a downward part V = r D; a
-    landside force against sideways drift, up to a share of D.
+    Draft against the motion in the ground plane (the landside's friction is a part of it), a part
+    V = r_v D downwards, and sideways the mould-board's S = r_s D towards the land, against it the
+    landside
+
+        N = S (1 + drift / angle)   between 0 and 3 S
 
     Args:
-        tip, velocity: of the share's tip, world axes.
-        normal: of the ground; side_axis: the plough's left, world axes.
+        plough: its part of the block.
+        draft: D of this body here and now [N].
+        velocity: of its tip, world axes.
+        normal: of the ground.
+        land: unit vector in the ground plane towards the unploughed land.
 
     Returns:
-        force (world axes, tuple), depth_m.
+        force (world axes, tuple), landside_n.
     """
-    depth = -rigid.dot(tip, normal)
-    if depth <= 0.0:
-        return (0.0, 0.0, 0.0), 0.0
     sliding = rigid.minus(velocity, rigid.scaled(rigid.dot(velocity, normal), normal))
     speed = math.sqrt(rigid.dot(sliding, sliding))
-    draft = draft_n(plough, soil, depth, speed)
-    x, y = tip[0] + head[Head.ORIGIN_X_M], tip[1] + head[Head.ORIGIN_Y_M]
-    cv = soil[Soil.DRAFT_CV]
-    if cv > 0.0:
-        draft *= max(0.1, 1.0 + cv * random_field(head[Head.SEED], x, y, soil[Soil.DRAFT_LENGTH_M]))
     moving = math.sqrt(speed * speed + STARTING_MPS * STARTING_MPS)
-    drift = rigid.dot(sliding, side_axis) / moving
-    landside = plough[Plough.LANDSIDE_RATIO] * draft * math.tanh(drift / LANDSIDE_ANGLE)
+    fading = speed / moving
+    side = plough[Plough.SIDE_RATIO] * draft * fading
+    drift = rigid.dot(sliding, land) / moving
+    landside = side * min(3.0, max(0.0, 1.0 + drift / LANDSIDE_ANGLE))
     force = rigid.plus(
         rigid.scaled(-draft / moving, sliding),
         rigid.plus(
-            rigid.scaled(-plough[Plough.VERTICAL_RATIO] * draft * speed / moving, normal),
-            rigid.scaled(-landside, side_axis),
+            rigid.scaled(-plough[Plough.VERTICAL_RATIO] * draft * fading, normal),
+            rigid.scaled(side - landside, land),
         ),
     )
-    return force, depth
+    return force, landside
 
 
 @law
 def depth_wheel_force(
     plough: Array, hub: Vector, velocity: Vector, normal: Vector
-) -> tuple[Vector, float]:
+) -> tuple[Vector, Vector, float]:
     """Ground force on the depth wheel: a damped spring, and rolling resistance against its motion.
 
     Returns:
-        force (world axes, tuple), load_n.
+        spring force, drag (world axes, tuples), load_n.
     """
     deflection = plough[Plough.WHEEL_RADIUS_M] - rigid.dot(hub, normal)
     rising = rigid.dot(velocity, normal)
@@ -89,8 +132,8 @@ def depth_wheel_force(
         plough[Plough.WHEEL_STIFFNESS_NPM] * deflection - plough[Plough.WHEEL_DAMPING_NSPM] * rising
     )
     if deflection <= 0.0 or load <= 0.0:
-        return (0.0, 0.0, 0.0), 0.0
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
     sliding = rigid.minus(velocity, rigid.scaled(rising, normal))
     speed = math.sqrt(rigid.dot(sliding, sliding) + STARTING_MPS * STARTING_MPS)
     drag = -plough[Plough.WHEEL_RESISTANCE_RATIO] * load / speed
-    return rigid.plus(rigid.scaled(load, normal), rigid.scaled(drag, sliding)), load
+    return rigid.scaled(load, normal), rigid.scaled(drag, sliding), load

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 from twin.physics import rigid
-from twin.physics.block import Head, Soil, Wheel, WheelSlot
+from twin.physics.block import Field, PowerSlot, Soil, Wheel, WheelSlot
 from twin.physics.brixius import brixius
 from twin.physics.compiled import law
+from twin.physics.ground import field_axis, furrow, on_ground, soil_at
 from twin.physics.shapes import Array, Vector
 
 SIGN_SPEED_MPS = 0.03
@@ -73,8 +74,49 @@ def relaxed_shear(
 
 
 @law
+def wall_force(field: Array, wheel: Array, s_m: float, t_m: float, side_mps: float) -> float:
+    """Force to the left of the furrow's wall, and of the turned slice beyond, on a tyre's flanks.
+
+    F = k penetration - c v_y, on the flank that touches, never a pull.
+
+    Args:
+        field, wheel: parts of the block.
+        s_m, t_m: place of the wheel's centre on the ground.
+        side_mps: its speed to the left.
+    """
+    depth = -furrow(field, s_m, t_m)[0]
+    if depth <= 0.0:
+        return 0.0
+    side, half = field[Field.FURROW_SIDE], 0.5 * wheel[Wheel.WIDTH_M]
+    stiffness = field[Field.WALL_STIFFNESS_NPM] * depth
+    damping = field[Field.WALL_DAMPING_NSPM] * depth
+    place, edge = side * t_m, field[Field.FURROW_EDGE_M]
+    outward = side * side_mps
+    at_wall = edge - (place - half)
+    at_slice = place + half - (edge + field[Field.FURROW_WIDTH_M])
+    if at_wall > 0.0:
+        return side * max(0.0, stiffness * at_wall - damping * outward)
+    if at_slice > 0.0:
+        return -side * max(0.0, stiffness * at_slice + damping * outward)
+    return 0.0
+
+
+@law
+def contact_shift_m(wheel: Array, camber_tangent: float, deflection_m: float) -> float:
+    """How far the load's centre moves along the axle, towards its raised end, on a leaning tyre.
+
+        e = -tan(gamma) b**2 / (12 delta)     within a quarter of the width
+
+    The centre of a pressure that grows linearly across the tread.
+    """
+    width = wheel[Wheel.WIDTH_M]
+    shift = -camber_tangent * width * width / (12.0 * deflection_m)
+    return min(max(shift, -0.25 * width), 0.25 * width)
+
+
+@law
 def roll_wheel(
-    head: Array,
+    field: Array,
     soil: Array,
     wheel: Array,
     xpos: Array,
@@ -86,25 +128,36 @@ def roll_wheel(
     dt_s: float,
     slots: Array,
     rates: Array,
+    powers: Array,
+    here: Array,
 ) -> tuple[Vector, Vector]:
-    """Force and torque of the ground on one wheel, at its hub; fills its slots and rates.
+    """Force and torque of the ground on one wheel, at its hub; fills its slots, rates and powers.
 
     Returns:
         force, torque: world axes, tuples; zero for a lifted wheel.
     """
     body, tyre = int(wheel[Wheel.BODY]), int(wheel[Wheel.TYRE])
     hub = rigid.row3(xpos, body)
-    normal = (head[Head.NORMAL_X], head[Head.NORMAL_Y], head[Head.NORMAL_Z])
+    s, t, above = on_ground(field, hub)
+    bottom, slope = furrow(field, s, t)
+    normal = field_axis(field, Field.NORMAL)
+    steepness = 1.0
+    if slope != 0.0:
+        normal = rigid.unit(
+            rigid.minus(normal, rigid.scaled(slope, field_axis(field, Field.AHEAD)))
+        )
+        steepness = 1.0 / math.sqrt(1.0 + slope * slope)
     axle = rigid.axis(xmat, body, 1)
     ahead = rigid.unit(rigid.cross(axle, normal))
     left = rigid.cross(normal, ahead)
     velocity = rigid.point_velocity(cvel, com, body, root, hub)
     roll, side = rigid.dot(velocity, ahead), rigid.dot(velocity, left)
+    rising = rigid.dot(velocity, normal)
     rate = rigid.dot(rigid.angular_velocity(cvel, body), axle)
-    deflection = 0.5 * wheel[Wheel.DIAMETER_M] - rigid.dot(hub, normal)
-    load = wheel[Wheel.STIFFNESS_NPM] * deflection - wheel[Wheel.DAMPING_NSPM] * rigid.dot(
-        velocity, normal
-    )
+    camber = rigid.dot(axle, normal)  # sine: the left end of the axle raised
+    upright = math.sqrt(1.0 - camber * camber)
+    deflection = 0.5 * wheel[Wheel.DIAMETER_M] - (above - bottom) * steepness / upright
+    load = wheel[Wheel.STIFFNESS_NPM] * deflection - wheel[Wheel.DAMPING_NSPM] * rising
     u_x, u_y = act[tyre], act[tyre + 1]
     slots[:] = 0.0
     slots[WheelSlot.RATE_RADPS] = rate
@@ -117,21 +170,33 @@ def roll_wheel(
     if deflection <= 0.0 or load <= 1.0:
         rates[tyre], rates[tyre + 1] = -u_x / LIFTED_S, -u_y / LIFTED_S
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    soil_at(field, soil, s, t, here)
     x, y, resistance, rolling, sinkage, rates[tyre], rates[tyre + 1] = relaxed_shear(
-        soil, wheel, load, spin, roll, side, u_x, u_y, dt_s
+        here, wheel, load, spin, roll, side, u_x, u_y, dt_s
     )
     resistance *= smooth_sign(roll, SIGN_SPEED_MPS)
     moment = rolling * radius * smooth_sign(spin, SIGN_SPEED_MPS)
+    wall = wall_force(field, wheel, s, t, side)
     slots[WheelSlot.LOAD_N], slots[WheelSlot.DEFLECTION_M] = load, deflection
     slots[WheelSlot.SHEAR_X_N], slots[WheelSlot.SHEAR_Y_N] = x, y
     slots[WheelSlot.RESISTANCE_N], slots[WheelSlot.ROLLING_MOMENT_NM] = resistance, moment
-    slots[WheelSlot.SINKAGE_M] = sinkage
+    slots[WheelSlot.SINKAGE_M], slots[WheelSlot.WALL_N] = sinkage, wall
+    powers[PowerSlot.SLIP_LONG] += x * (spin - roll)
+    powers[PowerSlot.SLIP_LAT] -= y * side
+    powers[PowerSlot.ROLLING] += resistance * roll + moment * rate
+    powers[PowerSlot.TYRE] -= load * rising
+    powers[PowerSlot.WALL] -= wall * side
     force = rigid.plus(
         rigid.scaled(x - resistance, ahead),
-        rigid.plus(rigid.scaled(y, left), rigid.scaled(load, normal)),
+        rigid.plus(rigid.scaled(y + wall, left), rigid.scaled(load, normal)),
     )
-    # the shear's arm about the axle is the rolling radius, about the rolling direction the loaded
-    # one
-    overturning = (0.5 * wheel[Wheel.DIAMETER_M] - deflection) * y
+    # about the rolling direction the forces act at the contact, the wall's half way up its height;
+    # about the axle the shear's arm is the rolling radius
+    loaded = 0.5 * wheel[Wheel.DIAMETER_M] - deflection
+    overturning = (
+        loaded * (upright * y + camber * load)
+        + contact_shift_m(wheel, camber / upright, deflection) * (upright * load - camber * y)
+        + (loaded * upright + 0.5 * bottom) * wall
+    )
     torque = rigid.plus(rigid.scaled(-x * radius - moment, axle), rigid.scaled(overturning, ahead))
     return force, torque
