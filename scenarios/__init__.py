@@ -8,6 +8,12 @@ REGISTRY: dict[str, str] = {
     "plough-20cm": "scenarios.plough:CM_20",
     "plough-25cm": "scenarios.plough:CM_25",
     "plough-30cm": "scenarios.plough:CM_30",
+    "plough-rock": "scenarios.plough:ROCK",
+    "plough-slip-patch": "scenarios.plough:SLIP_PATCH",
     "slope-8-taishan": "scenarios.slope:TAISHAN_8",
-    "road-asphalt-10kmh": "scenarios.road:ASPHALT_10",
+    **{
+        f"road-{surface}-{kmh}kmh": f"scenarios.road:{surface.upper()}_{kmh}"
+        for surface in ("asphalt", "gravel", "grass")
+        for kmh in (5, 7, 10, 20)
+    },
 }

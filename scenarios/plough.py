@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from twin.scenario import Plough, Scenario
+from twin.scenario import Field, Patch, Plough, Scenario, Soil
 
 CM_25 = Scenario(
     name="plough-25cm",
@@ -31,4 +31,22 @@ CM_30 = replace(
     name="plough-30cm",
     about="200 m at 30 cm in firm soil; published mean speed 5.04 km/h",
     plough=Plough(depth_m=0.30),
+)
+
+ROCK = replace(
+    CM_25,
+    name="plough-rock",
+    about="25 cm in firm soil with rocks, two in 100 m2, that pull 15 kN for a sixth of a second",
+    soil=Soil(rocks_per_100m2=2.0),
+)
+SLIP_PATCH = replace(
+    CM_25,
+    name="plough-slip-patch",
+    about="25 cm in firm soil with 10 m of 15 % less grip from 80 m and from 140 m",
+    field=Field(
+        patches=(
+            Patch(start_m=80.0, length_m=10.0, friction_factor=0.85),
+            Patch(start_m=140.0, length_m=10.0, friction_factor=0.85),
+        )
+    ),
 )

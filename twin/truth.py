@@ -76,7 +76,7 @@ def sample(trajectory: Trajectory, driven: Sequence[str]) -> Table:
         table[f"sideslip{suffix}_rad"] = np.where(moving, np.arctan2(v_y, v_x), np.nan)
     table["yaw_rate_radps"] = along(normal, rotate(column["world_from_body"], column["gyro_b"]))
     table["speed_mps"] = table["v_x_rear_mps"]
-    return table | _wheels(column, driven) | _joints(column)
+    return table | _wheels(column, driven) | _joints(column) | _powers(trajectory, kept)
 
 
 def _wheels(column: dict[str, Array], driven: Sequence[str]) -> Table:
@@ -94,11 +94,21 @@ def _wheels(column: dict[str, Array], driven: Sequence[str]) -> Table:
         "draft_n",
         "depth_m",
         "depth_wheel_n",
+        "plough_side_n",
         "engine_radps",
         "engine_torque_nm",
         "axle_torque_nm",
     )
     return table | {name: column[name] for name in names}
+
+
+def _powers(trajectory: Trajectory, kept: NDArray[np.bool_]) -> Table:
+    """Powers as means from each sample to the next, so that their sums are energies."""
+    count = np.diff(np.append(np.flatnonzero(kept), len(trajectory)))
+    names = [n for n in trajectory.columns if n.startswith("power_")]
+    start = np.flatnonzero(kept)
+    table: Table = {n: np.add.reduceat(trajectory[n], start) / count for n in names}
+    return table | {n: trajectory[n][kept] for n in ("kinetic_j", "potential_j")}
 
 
 def _joints(column: dict[str, Array]) -> Table:
