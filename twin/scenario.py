@@ -144,7 +144,7 @@ class Drive:
 
     gear_ratio: float = 66.0
     """Engine turns per turn of the rear axle [-]."""
-    engine_set_rpm: float = 1660.0
+    engine_set_rpm: float = 1665.0
     """No-load speed the governor is set to [rpm]."""
     all_wheel_drive: bool = False
     """Engage the front axle."""
@@ -153,7 +153,7 @@ class Drive:
 
     def __post_init__(self) -> None:
         check_range("drive.gear_ratio", self.gear_ratio, 15.0, 300.0)
-        check_range("drive.engine_set_rpm", self.engine_set_rpm, 900.0, 2376.0)
+        check_range("drive.engine_set_rpm", self.engine_set_rpm, 900.0, 2400.0)
 
 
 @dataclass(frozen=True, kw_only=True)

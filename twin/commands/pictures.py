@@ -19,4 +19,4 @@ def record(run: RunLike, scores: Mapping[str, Any], path: Path) -> None:
 def _model(scenario: Any) -> Any:
     from twin.machine.build import build
 
-    return build(scenario).model
+    return build(scenario, looks=True).model

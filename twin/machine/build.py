@@ -56,10 +56,15 @@ class Machine:
         return (self.scenario.drive.engine_set_rpm - idle) / (top - idle)
 
 
-def build(scenario: Scenario) -> Machine:
+def build(scenario: Scenario, *, looks: bool = False) -> Machine:
     """Compile the machine of a scenario and install the laws.
 
     Wheel contact is switched off, because the callback takes over; everything else stays native.
+    What is only looked at is left out, as it would nearly double the time of a step.
+
+    Args:
+        scenario: what is built.
+        looks: keep what is only looked at.
     """
     install()
     spec = mujoco.MjSpec.from_file(str(model_path(scenario.machine)))
@@ -79,6 +84,7 @@ def build(scenario: Scenario) -> Machine:
     spec.add_sensor(name="kinetic_j", type=mujoco.mjtSensor.mjSENS_E_KINETIC)
     spec.nuserdata = block.RATE_SLOTS + 16
     spec.add_numeric(name="tractor_twin", size=block.SIZE, data=[0.0] * block.SIZE)
+    spec.compiler.discardvisual = not looks
     model = spec.compile()
     hitch = _hitch(spec)
     reflected = numbers["engine.inertia_kgm2"] * scenario.drive.gear_ratio**2

@@ -14,6 +14,8 @@ STARTING_MPS = 0.05
 """Speed below which the draft of a standing plough fades, and turns viscous [m/s]."""
 LANDSIDE_ANGLE = 0.03
 """Drift towards the land at which the landside force has doubled [rad]; assumed."""
+DRIFT_MPS = 0.3
+"""Slowest speed at which the drift is measured [m/s]: a standing landside must not be stiff."""
 RIPPLE_PER_DEPTH = 0.75
 """Wave length of shear failure over the depth: 0.5 to 1 in the literature."""
 ROCK_CELL_M, ROCK_LENGTH_M = 10.0, 0.25
@@ -105,7 +107,7 @@ def share_force(
     moving = math.sqrt(speed * speed + STARTING_MPS * STARTING_MPS)
     fading = speed / moving
     side = plough[Plough.SIDE_RATIO] * draft * fading
-    drift = rigid.dot(sliding, land) / moving
+    drift = rigid.dot(sliding, land) / max(speed, DRIFT_MPS)
     landside = side * min(3.0, max(0.0, 1.0 + drift / LANDSIDE_ANGLE))
     force = rigid.plus(
         rigid.scaled(-draft / moving, sliding),
