@@ -23,6 +23,7 @@ from twin.machine.build import build
 from twin.machine.files import model_path
 from twin.machine.simulate import Cab
 from twin.registry import load
+from twin.rows import row
 from twin.scenario import Course
 
 STRETCHES, STEPS = 60, 200
@@ -48,9 +49,9 @@ def step_rows() -> list[dict[str, Any]]:
     )
     case = "physics step, ploughing, sensors off"
     return [
-        _row(case, "time with the soil law", own_us, "us"),
-        _row(case, "time on MuJoCo's own contacts", native_us, "us"),
-        _row(case, "ratio", own_us / native_us, "1", high=0.8),
+        row(case, "time with the soil law", own_us, "us"),
+        row(case, "time on MuJoCo's own contacts", native_us, "us"),
+        row(case, "ratio", own_us / native_us, "1", high=0.8),
     ]
 
 
@@ -92,19 +93,7 @@ def run_rows() -> list[dict[str, Any]]:
     peak_mb = peak / (1e6 if sys.platform == "darwin" else 1e3)
     case = "plough-25cm, files written"
     return [
-        _row(case, "simulated time per wall time", simulated_s / wall_s, "1", low=30.0),
-        _row(case, "wall time", wall_s, "s"),
-        _row(case, "peak memory", peak_mb, "MB", high=700.0),
+        row(case, "simulated time per wall time", simulated_s / wall_s, "1", low=30.0),
+        row(case, "wall time", wall_s, "s"),
+        row(case, "peak memory", peak_mb, "MB", high=700.0),
     ]
-
-
-def _row(
-    case: str, quantity: str, ours: float, unit: str,
-    low: float | None = None, high: float | None = None,
-) -> dict[str, Any]:  # fmt: skip
-    row: dict[str, Any] = {"case": case, "quantity": quantity, "ours": round(ours, 4), "unit": unit}
-    if low is not None:
-        row |= {"low": low, "passed": ours >= low}
-    if high is not None:
-        row |= {"high": high, "passed": ours <= high}
-    return row

@@ -18,6 +18,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "list": ("twin.commands.list", "scenarios, machines, soils and estimators"),
     "run": ("twin.commands.run", "NAME: simulate a scenario, estimate, score, write a run folder"),
     "estimate": ("twin.commands.estimate", "LOG: run the estimators on a recorded drive"),
+    "reproduce": ("twin.commands.reproduce", "PAPER: published figures and ours side by side"),
     "view": ("twin.commands.view", "DIR: open the recording of a run folder"),
     "bench": ("twin.commands.bench", "measure speed and memory on this machine"),
 }

@@ -13,6 +13,27 @@ REQUIRED = ("case", "quantity", "ours")
 OPTIONAL = ("published", "reference", "low", "high", "unit", "passed")
 
 
+def row(
+    case: str,
+    quantity: str,
+    ours: float,
+    unit: str,
+    *,
+    low: float | None = None,
+    high: float | None = None,
+    published: float | None = None,
+    reference: float | None = None,
+) -> dict[str, Any]:
+    """One row; with a bound it says whether it passed (NaN does not)."""
+    given = {"published": published, "reference": reference, "low": low, "high": high}
+    out: dict[str, Any] = {"case": case, "quantity": quantity, "ours": ours, "unit": unit}
+    out |= {name: value for name, value in given.items() if value is not None}
+    if low is not None or high is not None:
+        above = low is None or ours >= low
+        out["passed"] = bool(above and (high is None or ours <= high))
+    return out
+
+
 def to_json(rows: Iterable[Mapping[str, Any]]) -> str:
     """`{"rows": [...]}` as JSON text.
 

@@ -13,6 +13,9 @@ from twin.commands.terminal import console
 from twin.errors import BadInput
 
 
+COLUMNS = ("published", "reference", "low", "high", "unit", "passed")
+
+
 @dataclass(frozen=True, kw_only=True)
 class Bench:
     """Measure speed and memory on this machine, beside the values promised."""
@@ -43,16 +46,13 @@ def print_rows(measured: Sequence[Mapping[str, Any]]) -> None:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for header, justify in (("case", "left"), ("quantity", "left"), ("ours", "right")):
         table.add_column(header, justify=justify)  # type: ignore[arg-type]
-    for header in ("low", "high", "unit", "passed"):
+    shown = [key for key in COLUMNS if any(key in row for row in measured)]
+    for header in shown:
         table.add_column(header)
     for row in measured:
-        table.add_row(str(row["case"]), str(row["quantity"]), *_cells(row))
+        values = [_text(row.get(key)) for key in ("ours", *shown)]
+        table.add_row(str(row["case"]), str(row["quantity"]), *values)
     console().print(table)
-
-
-def _cells(row: Mapping[str, Any]) -> list[str]:
-    values = [row.get(key) for key in ("ours", "low", "high", "unit", "passed")]
-    return [_text(value) for value in values]
 
 
 def _text(value: Any) -> str:

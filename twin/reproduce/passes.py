@@ -1,0 +1,117 @@
+"""One pass over a field without sensors, and what is measured of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin import truth
+from twin.machine.build import Machine, build
+from twin.machine.driver import FULL_DEPTH
+from twin.machine.simulate import simulate
+from twin.scenario import Scenario
+from twin.sensors import Sensors
+from twin.streams import Table
+
+Array = NDArray[np.float64]
+
+NO_SENSORS = Sensors(gnss=None, imu=None, wheels=None, depth=None, machine=None)
+SETTLING_M = 5.0
+"""Distance after full depth before a pass counts."""
+LOSSES = (
+    "parasitic", "transmission", "driveline", "brake", "slip_long", "slip_lat", "rolling",
+    "tyre", "wall", "drawbar", "depth_wheel", "joint", "lift", "steer",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pass:
+    """Means over the scored part of a pass; the power balance over all of it."""
+
+    speed_kmh: float
+    slip: float
+    slip_sd: float
+    draft_n: float
+    draft_cv: float
+    draft_length_m: float
+    """Distance at which the draft's autocorrelation has fallen to 1/e."""
+    draft_over_d497: float
+    """Longitudinal implement force over D497's at the run's own speed and depth."""
+    depth_m: float
+    roll_deg: float
+    roll_expected_deg: float
+    """atan(depth / track) and what the difference of the rear tyres' deflections adds."""
+    power_closure: float
+    """(Engine - all losses - stored energy) / engine."""
+    length_m: float
+
+
+def drive(scenario: Scenario) -> Pass:
+    """Drive a ploughing scenario, sensors off, and measure it."""
+    machine = build(replace(scenario, sensors=NO_SENSORS))
+    parts = [truth.sample(chunk, ("rl", "rr")) for chunk in simulate(machine)]
+    plough = machine.scenario.plough
+    full_m = 0.0 if plough is None else FULL_DEPTH * plough.depth_m
+    table = truth.integrate(truth.concatenate(parts), full_m)
+    return measure(machine, table)
+
+
+def measure(machine: Machine, table: Table) -> Pass:
+    """Measure a pass from its truth."""
+    travelled = np.cumsum(table["speed_mps"]) * truth.PERIOD_NS * 1e-9
+    start = travelled[np.argmax(table["ploughing"])] + SETTLING_M
+    part = {name: column[travelled >= start] for name, column in table.items()}
+    speed, draft = part["speed_mps"], part["draft_n"]
+    track_m = 2.0 * float(machine.model.body("rl_wheel").pos[1])
+    stiffness = machine.numbers["tyre_rear.stiffness_npm"]
+    deflection_m = float(np.mean(part["load_rr_n"] - part["load_rl_n"])) / stiffness
+    depth_m = float(np.mean(part["depth_m"]))
+    return Pass(
+        speed_kmh=3.6 * float(np.mean(speed)),
+        slip=float(np.mean(part["slip"])),
+        slip_sd=float(np.std(part["slip"])),
+        draft_n=float(np.mean(draft)),
+        draft_cv=float(np.std(draft) / np.mean(draft)),
+        draft_length_m=correlation_length_m(draft, float(np.mean(speed))),
+        draft_over_d497=float(np.mean(draft) / np.mean(d497_n(machine, speed, part["depth_m"]))),
+        depth_m=depth_m,
+        roll_deg=float(np.degrees(np.mean(roll_rad(part)))),
+        roll_expected_deg=float(np.degrees(np.arctan((depth_m + deflection_m) / track_m))),
+        power_closure=power_closure(table),
+        length_m=float(travelled[-1] - start),
+    )
+
+
+def d497_n(machine: Machine, speed_mps: Array, depth_m: Array) -> Array:
+    """Draft of the whole plough by ASABE D497: F (A + C S**2) W T."""
+    numbers = machine.numbers
+    width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
+    specific = numbers["plough.draft_a"] + numbers["plough.draft_c"] * (3.6 * speed_mps) ** 2
+    scale = machine.scenario.soil.resolved().draft_scale
+    return np.asarray(scale * specific * width_m * 100.0 * depth_m)
+
+
+def correlation_length_m(signal: Array, speed_mps: float) -> float:
+    """Distance at which a signal's autocorrelation first falls below 1/e."""
+    centred = signal - signal.mean()
+    spectrum = np.abs(np.fft.rfft(centred, 2 * len(centred))) ** 2
+    correlation = np.fft.irfft(spectrum)[: len(centred)]
+    lag = int(np.argmax(correlation < correlation[0] / np.e))
+    return lag * truth.PERIOD_NS * 1e-9 * speed_mps
+
+
+def roll_rad(table: Table) -> Array:
+    """Roll of the body about its x axis; positive lowers the right side."""
+    w, x, y, z = (table[name] for name in ("qw", "qx", "qy", "qz"))
+    return np.asarray(np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)))
+
+
+def power_closure(table: Table) -> float:
+    """Share of the engine's work that no loss and no store accounts for."""
+    dt_s = truth.PERIOD_NS * 1e-9
+    engine = float(np.sum(table["power_engine_w"])) * dt_s
+    lost = sum(float(np.sum(table[f"power_{name}_w"])) for name in LOSSES) * dt_s
+    stored = sum(float(table[name][-1] - table[name][0]) for name in ("kinetic_j", "potential_j"))
+    return (engine - lost - stored) / engine
