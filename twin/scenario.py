@@ -17,6 +17,8 @@ MACHINES = {"taishan_1404a": "103 kW two-wheel-drive tractor, 5260 kg, with a fo
 
 FURROW_SIDES = {"right": -1, "none": 0, "left": 1}
 HITCH_MODES = ("depth", "position", "draft", "float")
+ROUGHNESS = {"smooth": 0.0, **{c: 16e-6 * 4.0**i for i, c in enumerate("ABCDEF")}}
+"""G_d(n0) at n0 = 0.1 cycles/m [m3]: geometric means of ISO 8608's classes."""
 MOST_PATCHES = 4
 STEPS_S = (0.0005, 0.001, 0.002)
 
@@ -102,7 +104,7 @@ class Field:
     grade_deg: float = 0.0
     """Slope along the course [deg]; positive rises ahead."""
     roughness_class: str = "smooth"
-    """Roughness of the surface; "smooth" is a plane."""
+    """Roughness of the surface by ISO 8608, A to F; "smooth" is a plane."""
     patches: tuple[Patch, ...] = ()
     """Stretches of other soil, four at most; overlapping ones multiply."""
 
@@ -111,8 +113,8 @@ class Field:
         check_range("field.grade_deg", self.grade_deg, -15.0, 15.0)
         if len(self.patches) > MOST_PATCHES:
             raise OutOfRange("field.patches", len(self.patches), f"0 to {MOST_PATCHES} patches")
-        if self.roughness_class != "smooth":
-            raise UnknownName("roughness class", self.roughness_class, ("smooth",))
+        if self.roughness_class not in ROUGHNESS:
+            raise UnknownName("roughness class", self.roughness_class, ROUGHNESS)
 
 
 @dataclass(frozen=True, kw_only=True)

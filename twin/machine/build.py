@@ -17,7 +17,7 @@ from twin.machine.hitch import Hitch
 from twin.physics import block
 from twin.physics.block import Coupling, Engine, Field, Head, Plough, Soil, Wheel
 from twin.physics.callback import install
-from twin.scenario import FURROW_SIDES, Scenario
+from twin.scenario import FURROW_SIDES, ROUGHNESS, Scenario
 from twin.scenario import Soil as Ground
 from twin.soils import LAWS
 
@@ -215,7 +215,8 @@ def soil_part(soil: Ground) -> dict[Any, float]:
 
 def field_part(scenario: Scenario, numbers: dict[str, float], rotation: Array) -> dict[Any, float]:
     """Ground plane, furrow and patches, as numbers of the block."""
-    out: dict[Any, float] = {Field.SEED: scenario.seed}
+    roughness_m = 0.1 * math.sqrt(ROUGHNESS[scenario.field.roughness_class])
+    out: dict[Any, float] = {Field.SEED: scenario.seed, Field.ROUGHNESS_M: roughness_m}
     for i, axis in enumerate((Field.AHEAD, Field.LEFT, Field.NORMAL)):
         out |= {axis + k: rotation[k, i] for k in range(3)}
     if scenario.plough is not None:

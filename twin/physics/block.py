@@ -44,9 +44,10 @@ class Field(IntEnum):
     FURROW_WIDTH_M = 17
     WALL_STIFFNESS_NPM = 18
     WALL_DAMPING_NSPM = 19
-    PATCH_COUNT = 20
-    PATCHES = 21  # start, end [m], friction and cone index as factors; four of them
-    SIZE = 21 + 4 * 4
+    ROUGHNESS_M = 20  # n0 sqrt(G_d(n0)) of ISO 8608, in m**0.5; 0 for a smooth ground
+    PATCH_COUNT = 21
+    PATCHES = 22  # start, end [m], friction and cone index as factors; four of them
+    SIZE = 22 + 4 * 4
 
 
 class Soil(IntEnum):

@@ -36,7 +36,7 @@ from twin.physics.engine import (
     parasitic_torque_nm,
     radps_to_rpm,
 )
-from twin.physics.ground import field_axis, on_ground, soil_at
+from twin.physics.ground import field_axis, on_ground, roughness, soil_at
 from twin.physics.plough import (
     depth_wheel_force,
     draft_factor,
@@ -200,7 +200,9 @@ def pull_plough(
 
     hub = rigid.row3(xpos, wheel)
     velocity = rigid.point_velocity(cvel, com, wheel, root, hub)
-    spring, drag, load = depth_wheel_force(plough, hub, velocity, normal)
+    s, t, above = on_ground(field, hub)
+    above -= roughness(field, s, t)[0]
+    spring, drag, load = depth_wheel_force(plough, above, velocity, normal)
     rigid.push(passive, cdof, parent, dof, com, root, hub, rigid.plus(spring, drag), none)
     powers[PowerSlot.DEPTH_WHEEL] = -rigid.dot(spring, velocity)
     powers[PowerSlot.DRAWBAR] = -rigid.dot(drag, velocity)

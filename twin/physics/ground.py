@@ -29,7 +29,7 @@ BLEND_M = 0.5
 """Length over which one patch of soil passes into the next [m]: about that of a contact."""
 STRENGTH_LENGTH_M = 3.0
 """Distance between independent values of the soil's strength [m]; assumed."""
-STRENGTH, RIPPLE, ROCKS = 101, 202, 303
+STRENGTH, RIPPLE, ROCKS, WAVES = 101, 202, 303, 404
 """What is added to the seed so that the fields are independent of each other."""
 
 
@@ -114,6 +114,69 @@ def furrow(field: Array, s_m: float, t_m: float) -> tuple[float, float]:
         return -depth, 0.0
     slope = 6.0 * along * (1.0 - along) / field[Field.FURROW_RAMP_M]
     return -depth * along * along * (3.0 - 2.0 * along), -depth * slope
+
+
+@law
+def wave(seed: float, s_m: float, t_m: float, length_m: float) -> tuple[float, float, float]:
+    """Smooth random surface of unit mean square, nodes `length_m` apart, and its slopes.
+
+    h = k sum_i w_i g_i with smoothstep weights; k makes its variance, averaged over place, one.
+
+    Returns:
+        h, dh/ds, dh/dt.
+    """
+    u, v = s_m / length_m, t_m / length_m
+    iu, iv = math.floor(u), math.floor(v)
+    a, b = u - iu, v - iv
+    da, db = 6.0 * a * (1.0 - a), 6.0 * b * (1.0 - b)
+    a, b = a * a * (3.0 - 2.0 * a), b * b * (3.0 - 2.0 * b)
+    jx, jy = np.int64(iu), np.int64(iv)
+    g00, g10 = node_value(seed, jx, jy), node_value(seed, jx + 1, jy)
+    g01, g11 = node_value(seed, jx, jy + 1), node_value(seed, jx + 1, jy + 1)
+    near, far = g00 + a * (g10 - g00), g01 + a * (g11 - g01)
+    along = (1.0 - b) * (g10 - g00) + b * (g11 - g01)
+    k = 35.0 / 26.0  # the mean of (w**2 + (1 - w)**2) over smoothstep is 26/35, in each direction
+    return (
+        k * (near + b * (far - near)),
+        k * da * along / length_m,
+        k * db * (far - near) / length_m,
+    )
+
+
+@law
+def roughness(field: Array, s_m: float, t_m: float) -> tuple[float, float, float]:
+    """Height of a rough ground above its plane, and its slopes, at a place.
+
+    Octaves of random waves with the variance ISO 8608 gives each:
+
+        G_d(n) = G_d(n0) (n / n0)**-2        var[n, 2 n] = G_d(n0) n0**2 / (2 n)
+
+    from 0.0625 to 2 cycles per metre; shorter waves vanish under the tyre's contact.
+
+    Returns:
+        h, dh/ds, dh/dt.
+    """
+    scale = field[Field.ROUGHNESS_M]
+    if scale == 0.0:
+        return 0.0, 0.0, 0.0
+    s, t = s_m + field[Field.ORIGIN_S_M], t_m + field[Field.ORIGIN_T_M]
+    height = slope_s = slope_t = 0.0
+    cycles = 0.0625
+    for octave in range(5):
+        sd = scale / math.sqrt(2.0 * cycles)
+        length_m = 0.5 / (math.sqrt(2.0) * cycles)
+        h, h_s, h_t = wave(field[Field.SEED] + WAVES + octave, s, t, length_m)
+        height, slope_s, slope_t = height + sd * h, slope_s + sd * h_s, slope_t + sd * h_t
+        cycles *= 2.0
+    return height, slope_s, slope_t
+
+
+@law
+def surface(field: Array, s_m: float, t_m: float) -> tuple[float, float, float]:
+    """Height of the ground at a place, furrow and roughness together, and its slopes."""
+    height, slope_s, slope_t = roughness(field, s_m, t_m)
+    bottom, slope = furrow(field, s_m, t_m)
+    return height + bottom, slope_s + slope, slope_t
 
 
 @law

@@ -121,14 +121,19 @@ def share_force(
 
 @law
 def depth_wheel_force(
-    plough: Array, hub: Vector, velocity: Vector, normal: Vector
+    plough: Array, above_m: float, velocity: Vector, normal: Vector
 ) -> tuple[Vector, Vector, float]:
     """Ground force on the depth wheel: a damped spring, and rolling resistance against its motion.
+
+    Args:
+        plough: its part of the block.
+        above_m: height of the wheel's hub above the ground.
+        velocity, normal: of the hub, and of the ground; world axes.
 
     Returns:
         spring force, drag (world axes, tuples), load_n.
     """
-    deflection = plough[Plough.WHEEL_RADIUS_M] - rigid.dot(hub, normal)
+    deflection = plough[Plough.WHEEL_RADIUS_M] - above_m
     rising = rigid.dot(velocity, normal)
     load = (
         plough[Plough.WHEEL_STIFFNESS_NPM] * deflection - plough[Plough.WHEEL_DAMPING_NSPM] * rising

@@ -8,7 +8,7 @@ from twin.physics import rigid
 from twin.physics.block import Field, PowerSlot, Soil, Wheel, WheelSlot
 from twin.physics.brixius import brixius
 from twin.physics.compiled import law
-from twin.physics.ground import field_axis, furrow, on_ground, soil_at
+from twin.physics.ground import field_axis, furrow, on_ground, soil_at, surface
 from twin.physics.shapes import Array, Vector
 
 SIGN_SPEED_MPS = 0.03
@@ -139,14 +139,16 @@ def roll_wheel(
     body, tyre = int(wheel[Wheel.BODY]), int(wheel[Wheel.TYRE])
     hub = rigid.row3(xpos, body)
     s, t, above = on_ground(field, hub)
-    bottom, slope = furrow(field, s, t)
+    height, slope_s, slope_t = surface(field, s, t)
     normal = field_axis(field, Field.NORMAL)
     steepness = 1.0
-    if slope != 0.0:
-        normal = rigid.unit(
-            rigid.minus(normal, rigid.scaled(slope, field_axis(field, Field.AHEAD)))
+    if slope_s != 0.0 or slope_t != 0.0:
+        downhill = rigid.plus(
+            rigid.scaled(slope_s, field_axis(field, Field.AHEAD)),
+            rigid.scaled(slope_t, field_axis(field, Field.LEFT)),
         )
-        steepness = 1.0 / math.sqrt(1.0 + slope * slope)
+        normal = rigid.unit(rigid.minus(normal, downhill))
+        steepness = 1.0 / math.sqrt(1.0 + slope_s * slope_s + slope_t * slope_t)
     axle = rigid.axis(xmat, body, 1)
     ahead = rigid.unit(rigid.cross(axle, normal))
     left = rigid.cross(normal, ahead)
@@ -156,7 +158,7 @@ def roll_wheel(
     rate = rigid.dot(rigid.angular_velocity(cvel, body), axle)
     camber = rigid.dot(axle, normal)  # sine: the left end of the axle raised
     upright = math.sqrt(1.0 - camber * camber)
-    deflection = 0.5 * wheel[Wheel.DIAMETER_M] - (above - bottom) * steepness / upright
+    deflection = 0.5 * wheel[Wheel.DIAMETER_M] - (above - height) * steepness / upright
     load = wheel[Wheel.STIFFNESS_NPM] * deflection - wheel[Wheel.DAMPING_NSPM] * rising
     u_x, u_y = act[tyre], act[tyre + 1]
     slots[:] = 0.0
@@ -196,7 +198,7 @@ def roll_wheel(
     overturning = (
         loaded * (upright * y + camber * load)
         + contact_shift_m(wheel, camber / upright, deflection) * (upright * load - camber * y)
-        + (loaded * upright + 0.5 * bottom) * wall
+        + (loaded * upright + 0.5 * min(height, 0.0)) * wall
     )
     torque = rigid.plus(rigid.scaled(-x * radius - moment, axle), rigid.scaled(overturning, ahead))
     return force, torque
