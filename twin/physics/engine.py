@@ -46,15 +46,16 @@ def engine_torque_nm(engine: Array, throttle: float, rpm: float) -> float:
 def axle_torque_nm(engine: Array, torque_nm: float, rpm: float) -> float:
     """Torque at the driven axle: the rest after parasitic load, through the transmission.
 
-        T_axle = i eta (T - T_p clip(n / 50 rpm, -1, 1))
+        c      = clip(n / 50 rpm, -1, 1)
+        T_axle = i (T - T_p c) eta**(c sgn(T - T_p c))
 
     Losses act against the motion and the flow of power: a stalled engine pushed backwards is
     braked, and the efficiency divides when the wheels drive the engine.
     """
     turning = min(max(rpm / TURNING_RPM, -1.0), 1.0)
     net = torque_nm - engine[Engine.PARASITIC_NM] * turning
-    eta = engine[Engine.TRANSMISSION_EFFICIENCY]
-    return net * engine[Engine.GEAR_RATIO] * (eta if net * rpm >= 0.0 else 1.0 / eta)
+    kept = engine[Engine.TRANSMISSION_EFFICIENCY] ** (turning if net > 0.0 else -turning)
+    return net * engine[Engine.GEAR_RATIO] * kept
 
 
 @law
