@@ -29,7 +29,7 @@ CONTROLS = (
 STALL_MPS = 0.05
 STALL_S = 5.0
 LOWERING_M = 30.0
-"""Distance in which the plough must reach its depth; the ploughed length counts from there at most."""
+"""Distance in which the plough must reach its depth; the length counts from there at most."""
 DEPTH_SLOT = block.MACHINE_SLOTS + int(MachineSlot.DEPTH_M)
 DRAFT_SLOT = block.MACHINE_SLOTS + int(MachineSlot.DRAFT_N)
 
@@ -123,8 +123,8 @@ class Cab:
 def simulate(machine: Machine, chunk_decisions: int = CHUNK_DECISIONS) -> Iterator[Trajectory]:
     """Drive the scenario's course; trajectories of about a second each, contiguous.
 
-    Ends at the end of the course, or where the tractor has stalled: gained less than 0.25 m along it
-    in 5 s, whether it stands, rocks, spins its wheels or slides away.
+    Ends at the end of the course, or where the tractor has stalled: gained less than 0.25 m along
+    it in 5 s, whether it stands, rocks, spins its wheels or slides away.
 
     Raises:
         Diverged: a state is not finite, or MuJoCo warned.

@@ -10,6 +10,8 @@ from twin.physics.shapes import Array
 
 MOTORING_NM = 60.0
 """Drag of the unfuelled engine beside its parasitic torque [N m]; assumed."""
+STALLED_RPM, FIRING_RPM = 300.0, 500.0
+"""A diesel that is pulled below the second loses torque, and below the first has died [rpm]."""
 TURNING_RPM = 50.0
 """Speed within which the parasitic torque changes its sign about rest [rpm]."""
 
@@ -18,12 +20,14 @@ TURNING_RPM = 50.0
 def full_load_torque_nm(engine: Array, rpm: float) -> float:
     """Full-load torque: a parabola through peak and rated torque, falling to nothing at a stall.
 
-    T = T_p - (T_p - T_r) ((n - n_p) / (n_r - n_p))**2 ;  T_p = T_r (1 + rise)
+    T = T_p - (T_p - T_r) ((n - n_p) / (n_r - n_p))**2 ;  T_p = T_r rise
+    times clip((n - 300) / (500 - 300), 0, 1)
     """
     rated = engine[Engine.RATED_TORQUE_NM]
     peak = rated * engine[Engine.TORQUE_RISE]
     u = (rpm - engine[Engine.PEAK_RPM]) / (engine[Engine.RATED_RPM] - engine[Engine.PEAK_RPM])
-    return max(0.0, peak - (peak - rated) * u * u)
+    fuelled = min(max((rpm - STALLED_RPM) / (FIRING_RPM - STALLED_RPM), 0.0), 1.0)
+    return fuelled * max(0.0, peak - (peak - rated) * u * u)
 
 
 @law
@@ -52,14 +56,16 @@ def parasitic_torque_nm(engine: Array, rpm: float) -> float:
 def axle_torque_nm(engine: Array, torque_nm: float, rpm: float) -> float:
     """Torque at the driven axle: the rest after parasitic load, through the transmission.
 
-        T_axle = i eta (T - T_parasitic)
+        c      = clip(n / 50 rpm, -1, 1)
+        T_axle = i (T - T_p c) eta**(c sgn(T - T_p c))
 
     Losses act against the motion and the flow of power: a stalled engine pushed backwards is
     braked, and the efficiency divides when the wheels drive the engine.
     """
     net = torque_nm - parasitic_torque_nm(engine, rpm)
-    eta = engine[Engine.TRANSMISSION_EFFICIENCY]
-    return net * engine[Engine.GEAR_RATIO] * (eta if net * rpm >= 0.0 else 1.0 / eta)
+    turning = min(max(rpm / TURNING_RPM, -1.0), 1.0)
+    kept = engine[Engine.TRANSMISSION_EFFICIENCY] ** (turning if net > 0.0 else -turning)
+    return net * engine[Engine.GEAR_RATIO] * kept
 
 
 @law

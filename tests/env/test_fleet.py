@@ -1,0 +1,207 @@
+"""The physics behind the environments: the same numbers as elsewhere, side by side or alone."""
+
+import time
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from twin import registry, sensors, truth
+from twin.env import grounds, reward
+from twin.env.fleet import APPROACH_S, Fleet, depth_set_m, governor, lift_rad
+from twin.env.instruments import Instruments
+from twin.env.quantities import powers
+from twin.machine.build import build
+from twin.machine.columns import Recorder
+from twin.machine.geometry import geometry
+from twin.machine.trajectory import Trajectory
+from twin.physics import block
+from twin.streams import concatenate
+
+ACTION = np.array([[0.2, 0.5]])
+
+
+@pytest.fixture(scope="module")
+def machine(environments):
+    return environments["truth"].fleet.machine
+
+
+@pytest.fixture(scope="module")
+def begin(environments):
+    return environments["truth"].start
+
+
+def ground(seed):
+    return grounds.draw(np.random.default_rng(seed), {})
+
+
+def test_truth_is_that_of_the_scores(machine, begin):
+    fleet, recorder = Fleet(machine), Recorder(machine)
+    fleet.restore([0], begin, [ground(1)])
+    fleet.drive(ACTION, record=True)
+    records, seen = [], []
+    for _ in range(150):
+        seen.append(fleet.true())
+        seen[-1] = {name: float(value[0]) for name, value in seen[-1].items()}
+        records.append(fleet.drive(ACTION, record=True))
+    table = truth.sample(recorder.trajectory(records), ("rl", "rr"))
+    for name, values in table.items():
+        if name in seen[0]:
+            np.testing.assert_allclose(
+                [s[name] for s in seen], values, rtol=1e-12, atol=1e-12, err_msg=name
+            )
+    assert {"slip", "speed_mps", "draft_n", "load_rl_n", "slip_fl"} <= table.keys() & seen[0].keys()
+    np.testing.assert_allclose([s["v_y_rear_mps"] for s in seen], table["v_y_rear_mps"], atol=1e-12)
+    assert max(s["depth_m"] for s in seen) > 0.2
+
+
+@pytest.mark.parametrize("nthread", [1, 2])
+def test_side_by_side_is_alone_to_the_bit(machine, begin, nthread):
+    seeds = (1, 2, 3)
+    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (60, 3, 2))
+    together = Fleet(machine, nsim=3, nthread=nthread)
+    together.restore(range(3), begin, [ground(s) for s in seeds])
+    alone = []
+    for seed in seeds:
+        fleet = Fleet(machine)
+        fleet.restore([0], begin, [ground(seed)])
+        alone.append(fleet)
+    for action in actions:
+        together.drive(action, record=False)
+        everything = together.true()
+        terms = reward.terms(everything, 1.4, 0.25, 0.12)
+        for i, fleet in enumerate(alone):
+            fleet.drive(action[i : i + 1], record=bool(i))
+            own = fleet.true()
+            assert {k: v[0] for k, v in own.items()} == {k: v[i] for k, v in everything.items()}
+            own_terms = reward.terms(own, 1.4, 0.25, 0.12)
+            assert {k: v[0] for k, v in own_terms.items()} == {k: v[i] for k, v in terms.items()}
+
+
+def test_a_part_put_back_leaves_the_others(machine, begin):
+    fleet, other = Fleet(machine, nsim=2), Fleet(machine, nsim=2)
+    both = np.repeat(ACTION, 2, axis=0)
+    for f in (fleet, other):
+        f.restore([0, 1], begin, [ground(1), ground(2)])
+        for _ in range(20):
+            f.drive(both, record=False)
+    fleet.restore([1], begin, [ground(3)])
+    for f in (fleet, other):
+        f.drive(both, record=False)
+    assert fleet.batch.state[0].tobytes() == other.batch.state[0].tobytes()
+    assert fleet.batch.state[1].tobytes() != other.batch.state[1].tobytes()
+
+
+def test_a_reset_patches_the_block_as_a_build_would_write_it(machine, begin):
+    fleet, drawn = Fleet(machine), ground(4)
+    fleet.restore([0], begin, [drawn])
+    scenario = replace(machine.scenario, soil=drawn.soil, seed=drawn.pattern_seed)
+    built = build(scenario).model.numeric_data[-block.SIZE :]
+    np.testing.assert_array_equal(fleet.blocks[0], built)
+
+
+def test_instruments_see_what_a_whole_run_would(machine, begin):
+    estimator = registry.load("estimator", "four-state")
+    fleet, instruments = Fleet(machine), Instruments(machine, estimator)
+    fleet.restore([0], begin, [ground(5)])
+    instruments.begin(6, begin.approach)
+    records = []
+    for _ in range(100):
+        records.append(fleet.drive(ACTION, record=True))
+        instruments.advance(records[-1:])
+    recorder = Recorder(machine)
+    recorder.steps = len(begin.approach)
+    rest = recorder.trajectory(records)
+    whole = Trajectory(
+        np.concatenate([begin.approach.epoch_ns, rest.epoch_ns]),
+        {n: np.concatenate([begin.approach[n], rest[n]]) for n in rest.columns},
+    )
+    config = machine.scenario.sensors
+    streams = sensors.sample(config, sensors.init(config, 6), whole)[1]
+    setup = sensors.setup(config, geometry(machine))
+    estimates = estimator.run(estimator.init(setup), streams)[1]
+    seen = instruments.values()
+    for name in ("slip", "slip_sd", "speed_mps", "wheel_speed_mps"):
+        assert seen[name] == estimates[name][-1]
+    for name in ("gnss.v_east_mps", "imu.gyro_z_radps", "machine.draft_pin_n", "depth.laser_m"):
+        sensor, column = name.split(".")
+        assert seen[name] == concatenate([streams])[sensor][column][-1]
+    assert seen["depth_m"] == pytest.approx(float(fleet.true()["depth_m"][0]), abs=0.05)
+    assert 0.05 <= seen["gnss.age_s"] <= 0.13
+
+
+def test_the_approach_leads_to_the_start(machine, begin):
+    assert len(begin.approach) == round(APPROACH_S / machine.model.opt.timestep)
+    fleet = Fleet(machine)
+    fleet.restore([0], begin, [ground(7)])
+    last = begin.approach["position_w"][-1] + 0.002 * begin.approach["velocity_w"][-1]
+    np.testing.assert_allclose(fleet.qpos[0, :3], last, atol=1e-6)
+
+
+def test_actions_mean_what_the_table_says(machine):
+    numbers = machine.numbers
+    idle, top = numbers["engine.idle_rpm"], numbers["engine.no_load_rpm"]
+    set_rpm = idle + governor(machine, np.array([-1.0, 0.0, 1.0])) * (top - idle)
+    np.testing.assert_allclose(set_rpm, [900.0, 1638.0, 2376.0])
+    np.testing.assert_allclose(depth_set_m(np.array([-1.0, 1.0])), [-0.10, 0.35])
+    sole, axle = numbers["plough.sole_below_hitch_m"], machine.model.body("tractor").pos[2]
+    for depth in (-0.10, 0.0, 0.25, 0.35):
+        expected = machine.hitch.lift_rad_at(sole - depth, axle)
+        assert lift_rad(machine, depth) == pytest.approx(expected, abs=1e-14)
+
+
+def test_efficiency_is_drawbar_power_over_axle_power():
+    true = {
+        "draft_n": np.array([20e3, 0.0, 1e3]),
+        "speed_mps": np.array([1.5, 2.0, 1.0]),
+        "axle_torque_nm": np.array([25e3, 3e3, 0.0]),
+        "axle_radps": np.array([2.0, 2.4, 2.0]),
+    }
+    np.testing.assert_allclose(powers(true)["traction_efficiency"], [0.6, 0.0, 0.0])
+
+
+def test_reward_terms_at_and_beside_their_targets():
+    true = {
+        "slip": np.array([0.12, 0.17]),
+        "depth_m": np.array([0.25, 0.22]),
+        "speed_mps": np.array([1e4 / 3600.0 / 1.4, 0.0]),
+        "draft_n": np.zeros(2),
+        "axle_torque_nm": np.zeros(2),
+        "axle_radps": np.zeros(2),
+    }
+    terms = reward.terms(true, 1.4, 0.25, 0.12)
+    np.testing.assert_allclose(terms["slip"], [0.25, 0.125])
+    np.testing.assert_allclose(terms["depth"], [0.25, 0.125])
+    np.testing.assert_allclose(terms["work"], [0.30, 0.0])
+    assert sum(reward.WEIGHTS.values()) == pytest.approx(1.0)
+
+
+def test_truth_environment_is_a_quarter_as_fast_as_the_bare_physics(truth_env):
+    """Best of several turns each, in one run."""
+    action = np.array([0.0, 0.5], dtype=np.float32)
+    truth_env.reset(seed=0)
+    for _ in range(150):
+        truth_env.step(action)
+    model, data = truth_env.fleet.batch.get_model(0), truth_env.fleet.batch.get_data(0)
+
+    def turn(step):
+        start = time.perf_counter()
+        for _ in range(100):
+            step()
+        return time.perf_counter() - start
+
+    bare, whole = [], []
+    for _ in range(6):
+        bare.append(turn(lambda: mujoco.mj_step(model, data, nstep=10)))
+        whole.append(turn(lambda: truth_env.step(action)))
+    assert min(bare) / min(whole) > 0.25
+
+
+def test_nothing_is_compiled_on_reset(truth_env, monkeypatch):
+    def fails(*args, **kwargs):
+        raise AssertionError("compiled on reset")
+
+    monkeypatch.setattr(mujoco.MjSpec, "compile", fails)
+    truth_env.reset(seed=1, options={"soil.preset": "soft"})
+    truth_env.step(np.zeros(2))

@@ -1,0 +1,66 @@
+"""Machines for the tests: built once, and driven by hand with MuJoCo's own functions."""
+
+from dataclasses import replace
+from functools import cache
+
+import mujoco
+import numpy as np
+
+from twin.machine.build import RAISED_RAD, build
+from twin.machine.simulate import Cab, simulate
+from twin.physics.block import MACHINE_SLOTS, WheelSlot
+from twin.scenario import Course, Field, Plough, Scenario
+
+PLOUGHING = Scenario(
+    name="test-plough",
+    plough=Plough(depth_m=0.25),
+    course=Course(approach_m=3.0, length_m=20.0),
+    seed=4,
+)
+BARE = Scenario(name="test-bare", course=Course(approach_m=3.0, length_m=12.0))
+
+
+def field(scenario, **shape):
+    return replace(scenario, field=Field(**shape))
+
+
+@cache
+def plough_rig():
+    return build(PLOUGHING)
+
+
+@cache
+def bare_rig():
+    return build(BARE)
+
+
+@cache
+def driven(scenario):
+    """Columns of a whole drive."""
+    chunks = list(simulate(build(scenario)))
+    return {n: np.concatenate([c[n] for c in chunks]) for n in chunks[0].columns}
+
+
+def start(machine, *, rolling=True):
+    """MjData as a run begins, by the same hand that begins a run."""
+    data = mujoco.MjData(machine.model)
+    cab = Cab(machine)
+    data.qpos[:] = cab.qpos[0]
+    if rolling:
+        data.qvel[:] = cab.qvel[0]
+    return data
+
+
+def set_controls(machine, data, **values):
+    """Controls by actuator name; the hitch raised unless told."""
+    for name, value in ({"lift": RAISED_RAD} | values).items():
+        data.ctrl[machine.model.actuator(name).id] = value
+
+
+def wheels(data):
+    """The slots of the four wheels. Shape (4, slots)."""
+    return data.userdata[:MACHINE_SLOTS].reshape(4, int(WheelSlot.SIZE)).copy()
+
+
+def soiled(scenario, **soil):
+    return replace(scenario, soil=replace(scenario.soil, **soil))

@@ -1,0 +1,100 @@
+"""Parameter blocks written out by hand, from the published numbers and not from the models."""
+
+import numpy as np
+
+from twin.physics.block import Coupling, Engine, Head, Plough, Soil, Wheel
+
+
+def filled(size, values):
+    out = np.zeros(size)
+    for index, value in values.items():
+        out[index] = value
+    return out
+
+
+def soil(*, cone_index_kpa=1000.0, radial=False, **own):
+    """Brixius 1987: bias or radial tyre on a cohesive-frictional soil."""
+    values = {
+        Soil.FRICTION: 0.88,
+        Soil.CONE_INDEX_KPA: cone_index_kpa,
+        Soil.SLIP_RATE: 9.5 if radial else 7.5,
+        Soil.ROLLING_MOMENT: 0.0325 if radial else 0.04,
+        Soil.MOBILITY_RESISTANCE: 0.9 if radial else 1.0,
+        Soil.DRAFT_SCALE: 0.85,
+        Soil.DRAFT_LENGTH_M: 4.0,
+    }
+    return filled(Soil.SIZE, values | {Soil[name.upper()]: x for name, x in own.items()})
+
+
+def wheel():
+    """18.4-38 bias tyre: b 0.467 m, d 1.755 m, deflection a fifth of the section height."""
+    return filled(
+        Wheel.SIZE,
+        {
+            Wheel.WIDTH_M: 0.467,
+            Wheel.DIAMETER_M: 1.755,
+            Wheel.DEFLECTION_RATIO: 0.2,
+            Wheel.FREE_ROLLING_RADIUS_M: 0.8489,
+            Wheel.STIFFNESS_NPM: 383e3,
+            Wheel.DAMPING_NSPM: 3500.0,
+            Wheel.RELAXATION_LONG_M: 0.2,
+            Wheel.RELAXATION_LAT_M: 0.7,
+            Wheel.LATERAL_RATIO: 0.85,
+        },
+    )
+
+
+def soil_of_mobility(number, load_n, *, radial=False):
+    """A soil whose cone index gives the tyre a chosen mobility number."""
+    b, d = 0.467, 1.755
+    bracket = (1.0 + 5.0 * 0.2) / (1.0 + 3.0 * b / d)
+    return soil(cone_index_kpa=number * load_n / (1e3 * b * d * bracket), radial=radial)
+
+
+def engine():
+    """447 N m at 2200 rpm, 30 % torque rise at 1450 rpm, governed to 2376 rpm."""
+    return filled(
+        Engine.SIZE,
+        {
+            Engine.RATED_TORQUE_NM: 447.0,
+            Engine.RATED_RPM: 2200.0,
+            Engine.TORQUE_RISE: 1.30,
+            Engine.PEAK_RPM: 1450.0,
+            Engine.NO_LOAD_RPM: 2376.0,
+            Engine.IDLE_RPM: 800.0,
+            Engine.DROOP_RPM_PER_NM: 0.394,
+            Engine.PARASITIC_NM: 25.0,
+            Engine.TRANSMISSION_EFFICIENCY: 0.87,
+            Engine.GEAR_RATIO: 66.0,
+        },
+    )
+
+
+def element():
+    """A brake: 15 kN m at a twist of 0.01 rad."""
+    values = {Coupling.CAPACITY_NM: 15e3, Coupling.WINDUP_RAD: 0.01, Coupling.DAMPING_S: 0.02}
+    return filled(Coupling.SIZE, values)
+
+
+def plough():
+    """Four bodies of 0.35 m; ASABE D497 mould-board numbers."""
+    return filled(
+        Plough.SIZE,
+        {
+            Plough.BODIES: 4,
+            Plough.BODY_WIDTH_M: 0.35,
+            Plough.DRAFT_A: 652.0,
+            Plough.DRAFT_C: 5.1,
+            Plough.VERTICAL_RATIO: 0.2,
+            Plough.LANDSIDE_RATIO: 0.3,
+            Plough.WHEEL_RADIUS_M: 0.3,
+            Plough.WHEEL_STIFFNESS_NPM: 120e3,
+            Plough.WHEEL_DAMPING_NSPM: 4000.0,
+            Plough.WHEEL_RESISTANCE_RATIO: 0.1,
+        },
+    )
+
+
+def level():
+    """Ground through the world's origin, level."""
+    return filled(Head.SIZE, {Head.NORMAL_Z: 1.0, Head.SEED: 1.0})

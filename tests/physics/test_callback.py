@@ -1,0 +1,176 @@
+"""The laws inside MuJoCo: pure, saved with the state, alike on threads, strangers untouched."""
+
+import mujoco
+import numpy as np
+import pytest
+from mujoco.batch import Batch
+
+from tests.machine.rigs import PLOUGHING, bare_rig, plough_rig, set_controls, soiled, start
+from twin.errors import BadInput
+from twin.machine.build import build
+from twin.physics import block, callback
+
+INTEGRATION = mujoco.mjtState.mjSTATE_INTEGRATION
+FOREIGN = """<mujoco><option timestep="0.002"/>{size}<custom>{numeric}</custom><worldbody>
+<geom type="plane" size="5 5 1"/>
+<body pos="0 0 0.3"><freejoint/><geom type="box" size=".1 .1 .1"/>
+<body pos="0.2 0 0"><joint name="hinge" axis="0 1 0" damping=".1" stiffness="2"/>
+<geom type="capsule" size=".02 .1"/></body></body></worldbody><actuator>
+<motor joint="hinge" ctrlrange="-1 1"/>{actuator}</actuator></mujoco>"""
+NUMERICS = {
+    "none": "",
+    "other": "<numeric name='a' size='3' data='1 2 3'/>",
+    "as long": f"<numeric name='a' size='{block.SIZE}' data='1 2 3'/>",
+    "not last": f"<numeric name='a' size='{block.SIZE}' data='{block.MAGIC}'/>"
+    "<numeric name='b' data='1'/>",
+}
+ACTUATORS = {
+    "no activation": "",
+    "filter": "<general joint='hinge' dyntype='filter' dynprm='.1' gainprm='2'/>",
+    "user": "<general name='mine' joint='hinge' dyntype='user' gainprm='2'/>",
+}
+
+
+def ploughing_state(seconds=3.0):
+    """A state in the furrow, and its model."""
+    machine = plough_rig()
+    data = start(machine)
+    set_controls(machine, data, throttle=machine.throttle, differential_lock=1.0, lift=0.0)
+    mujoco.mj_step(machine.model, data, round(seconds / machine.model.opt.timestep))
+    return machine, data
+
+
+def state(model, data):
+    out = np.empty(mujoco.mj_stateSize(model, INTEGRATION))
+    mujoco.mj_getState(model, data, out, INTEGRATION)
+    return out
+
+
+def test_forward_twice_changes_nothing_to_the_bit():
+    machine, data = ploughing_state()
+    names = ("qacc", "act", "act_dot", "qpos", "qvel", "userdata", "qfrc_passive", "sensordata")
+    mujoco.mj_forward(machine.model, data)
+    once = {n: getattr(data, n).copy() for n in names}
+    mujoco.mj_forward(machine.model, data)
+    assert all(np.array_equal(getattr(data, n), once[n]) for n in names)
+    assert machine_draft(data) > 5e3  # it was ploughing
+    assert np.any(once["act_dot"] != 0.0)
+
+
+def machine_draft(data):
+    return data.userdata[block.MACHINE_SLOTS + block.MachineSlot.DRAFT_N]
+
+
+def test_a_saved_state_continues_to_the_bit():
+    machine, data = ploughing_state()
+    saved, controls = state(machine.model, data), data.ctrl.copy()
+    mujoco.mj_step(machine.model, data, 500)
+    other = mujoco.MjData(machine.model)
+    mujoco.mj_setState(machine.model, other, saved, INTEGRATION)
+    assert np.array_equal(other.ctrl, controls)
+    mujoco.mj_step(machine.model, other, 500)
+    assert np.array_equal(state(machine.model, other), state(machine.model, data))
+
+
+def test_a_reset_forgets_everything():
+    machine, data = ploughing_state(0.5)
+    fresh = start(machine)
+    mujoco.mj_resetData(machine.model, data)
+    data.qpos[:], data.qvel[:] = fresh.qpos, fresh.qvel
+    for one in (data, fresh):
+        set_controls(machine, one, throttle=machine.throttle)
+        mujoco.mj_step(machine.model, one, 200)
+    assert np.array_equal(state(machine.model, data), state(machine.model, fresh))
+
+
+@pytest.mark.parametrize("actuator", ACTUATORS)
+@pytest.mark.parametrize("numeric", NUMERICS)
+def test_a_foreign_model_is_left_alone_to_the_bit(numeric, actuator):
+    bare_rig()  # the callbacks are installed
+    xml = FOREIGN.format(
+        size='<size nuserdata="90"/>', numeric=NUMERICS[numeric], actuator=ACTUATORS[actuator]
+    )
+    model = mujoco.MjModel.from_xml_string(xml)
+
+    def fall():
+        data = mujoco.MjData(model)
+        data.qvel[:3], data.ctrl[:] = (1.0, 0.3, 0.0), 0.2
+        data.act[:] = 0.1
+        data.userdata[:] = 7.0
+        mujoco.mj_step(model, data, 500)
+        return np.concatenate([data.qpos, data.qvel, data.act, data.qfrc_passive, data.userdata])
+
+    ours = fall()
+    mujoco.set_mjcb_passive(None)
+    mujoco.set_mjcb_act_dyn(None)
+    try:
+        without = fall()
+    finally:
+        callback.install()
+    assert np.array_equal(ours, without)
+
+
+def test_installing_twice_is_once_and_never_over_anothers_callback():
+    callback.install()
+    callback.install()
+    mujoco.set_mjcb_passive(lambda model, data: None)
+    try:
+        with pytest.raises(BadInput, match="mjcb_passive is already taken"):
+            callback.install()
+    finally:
+        mujoco.set_mjcb_passive(None)
+        callback.install()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("count", [1, 2, 8])
+def test_a_batch_is_mj_step_to_the_bit(count, threads):
+    machine, data = ploughing_state(1.0)
+    begin = state(machine.model, data)
+    steps = 300
+    batch = Batch(machine.model, nsim=count, nthread=threads)
+    for name in ("qpos", "qvel", "act", "ctrl", "userdata", "qacc_warmstart"):
+        batch.bind(name)[:] = getattr(data, name)
+    throttle = batch.bind("ctrl")[:, machine.model.actuator("throttle").id]
+    throttle[:] = np.linspace(0.4, 0.9, count)
+    batch.rollout(steps, record=("userdata",))
+    for i in range(count):
+        single = mujoco.MjData(machine.model)
+        mujoco.mj_setState(machine.model, single, begin, INTEGRATION)
+        single.ctrl[machine.model.actuator("throttle").id] = np.linspace(0.4, 0.9, count)[i]
+        mujoco.mj_step(machine.model, single, steps)
+        for name in ("qpos", "qvel", "act", "userdata"):
+            assert np.array_equal(batch.bind(name)[i], getattr(single, name)), (name, i)
+
+
+def test_each_simulation_of_a_batch_has_its_own_soil():
+    """Cone indices set in numeric_data give what models built on such soils give."""
+    cone_indices = (450.0, 900.0, 2000.0)
+    machine, data = ploughing_state(1.0)
+    batch = Batch(machine.model, nsim=3, nthread=2)
+    numbers = batch.expand("numeric_data")
+    at = machine.model.nnumericdata - block.SIZE + block.SOIL + block.Soil.CONE_INDEX_KPA
+    numbers[:, at] = cone_indices
+    for name in ("qpos", "qvel", "act", "ctrl"):
+        batch.bind(name)[:] = getattr(data, name)
+    batch.step(nstep=300)
+    for i, cone_index_kpa in enumerate(cone_indices):
+        model = build(soiled(PLOUGHING, cone_index_kpa=cone_index_kpa)).model
+        single = mujoco.MjData(model)
+        for name in ("qpos", "qvel", "act", "ctrl"):
+            getattr(single, name)[:] = getattr(data, name)
+        mujoco.mj_step(model, single, 300)
+        assert np.array_equal(batch.bind("qpos")[i], single.qpos)
+    assert len(np.unique(batch.bind("qpos")[:, 0])) == 3
+
+
+def test_controls_beyond_their_range_act_as_at_its_end():
+    machine, data = ploughing_state(0.5)
+    begin = state(machine.model, data)
+    ends = []
+    for throttle, brake in ((1.0, 0.0), (3.0, -2.0)):
+        mujoco.mj_setState(machine.model, data, begin, INTEGRATION)
+        set_controls(machine, data, throttle=throttle, brake=brake)
+        mujoco.mj_step(machine.model, data, 200)
+        ends.append(data.qpos.copy())
+    assert np.array_equal(*ends)

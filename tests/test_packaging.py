@@ -1,0 +1,128 @@
+"""The packages as a whole: what they export, what they find, and which way their imports point."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import estimators
+import scenarios
+import twin
+from twin import registry
+from twin.machine.files import model_path
+from twin.scenario import MACHINES, Scenario
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = (twin, scenarios, estimators)
+MODULES = sorted(
+    found.name
+    for package in PACKAGES
+    for found in pkgutil.walk_packages(package.__path__, package.__name__ + ".")
+    if not found.name.endswith("__main__")
+)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_every_module_imports_and_has_the_names_it_exports(name: str) -> None:
+    module = importlib.import_module(name)
+    exported = getattr(module, "__all__", [])
+    assert [n for n in exported if not hasattr(module, n)] == []
+    assert list(exported) == sorted(set(exported), key=list(exported).index)
+    assert module.__doc__, f"{name} does not say what it is"
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_package_is_typed(package: Any) -> None:
+    assert (Path(package.__file__).parent / "py.typed").exists()
+
+
+@pytest.mark.parametrize("name", scenarios.REGISTRY)
+def test_every_registered_scenario_loads_under_its_name(name: str) -> None:
+    scenario = registry.load("scenario", name)
+    assert isinstance(scenario, Scenario)
+    assert scenario.name == name
+
+
+@pytest.mark.parametrize(
+    "name", sorted({*MACHINES, *(p.parent.name for p in ROOT.glob("models/*/*.xml"))})
+)
+def test_every_model_is_found(name: str) -> None:
+    assert model_path(name).samefile(ROOT / "models" / name / f"{name}.xml")
+
+
+def test_every_console_script_leads_to_a_function() -> None:
+    scripts = metadata.distribution("tractor-twin").entry_points.select(group="console_scripts")
+    assert {script.name for script in scripts} == {"twin"}
+    assert all(callable(script.load()) for script in scripts)
+
+
+def test_as_a_module_it_is_the_same_command() -> None:
+    command = [sys.executable, "-m", "twin", "rum"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 2
+    assert done.stderr.startswith("twin: no command is called 'rum'")
+
+
+BREACHES = {
+    "estimators/kalman.py": ("twin.truth", "estimators.kalman -> twin.truth"),
+    "estimators/lag.py": ("twin.errors", "estimators.lag -> twin.errors"),
+    "estimators/ratio.py": ("mujoco", "estimators.ratio -> mujoco"),
+    "scenarios/plough.py": ("twin.machine.build", "scenarios.plough -> twin.machine.build"),
+    "scenarios/road.py": ("twin.physics.tyre", "scenarios.road -> twin.physics.tyre"),
+    "twin/run.py": ("scenarios.plough", "twin.run -> scenarios.plough"),
+    "twin/truth.py": ("estimators.ratio", "twin.truth -> estimators.ratio"),
+    "twin/sensors/gnss.py": ("rerun", "twin.sensors.gnss -> rerun"),
+    "twin/machine/build.py": ("gymnasium", "twin.machine.build -> gymnasium"),
+    "twin/physics/tyre.py": ("twin.scenario", "twin.physics.tyre -> twin.scenario"),
+    "twin/scores.py": ("twin.report.page", "twin.scores -> twin.report.page"),
+    "twin/logs/cells.py": ("twin.logcheck", "twin.logs.cells -> twin.logcheck"),
+    "twin/streams.py": ("twin.plain", "twin.streams -> twin.plain"),
+    "twin/stray.py": ("os", "- twin.stray"),
+}
+"""File -> (what it is made to import, how the broken contract names it). A stray module of no layer
+is a breach by being there."""
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The sources without anything else, to be spoilt."""
+    folder = tmp_path_factory.mktemp("tree")
+    for package in PACKAGES:
+        ignore = shutil.ignore_patterns("__pycache__", "_models")
+        shutil.copytree(ROOT / package.__name__, folder / package.__name__, ignore=ignore)
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    return folder
+
+
+def contracts(tree: Path) -> subprocess.CompletedProcess[str]:
+    """`lint-imports` on a tree of sources, which stands first on the path."""
+    program = (
+        "import sys; from importlinter.cli import lint_imports_command as lint; sys.exit(lint())"
+    )
+    command = [sys.executable, "-c", program, "--no-cache"]
+    return subprocess.run(command, cwd=tree, capture_output=True, text=True)
+
+
+def test_the_import_contracts_hold_and_each_breach_is_seen(tree: Path) -> None:
+    declared = tomllib.loads((tree / "pyproject.toml").read_text())["tool"]["importlinter"]
+    held = contracts(tree)
+    assert held.returncode == 0, held.stdout + held.stderr
+    assert f"{len(declared['contracts'])} kept, 0 broken" in held.stdout
+    for file, (module, _) in BREACHES.items():
+        with (tree / file).open("a") as source:
+            source.write(f"\nimport {module}\n")
+    broken = contracts(tree)
+    assert broken.returncode == 1
+    assert f"0 kept, {len(declared['contracts'])} broken" in broken.stdout
+    said = re.sub(r"\s+", " ", broken.stdout)
+    assert [line for _, line in BREACHES.values() if line not in said] == []

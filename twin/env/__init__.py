@@ -1,0 +1,12 @@
+"""Gymnasium environments of the twin; importing this package registers them.
+
+    env = gymnasium.make("twin.env:Plough-v0")
+
+Plough-v0     throttle and hitch depth of a ploughing tractor, for slip, depth and work rate
+"""
+
+from gymnasium import register
+
+IDS = ("Plough-v0",)
+
+register(id="Plough-v0", entry_point="twin.env.plough:PloughEnv", max_episode_steps=1500)

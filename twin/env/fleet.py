@@ -1,0 +1,176 @@
+"""Tractors that plough in one Batch, each on a soil and with a draft pattern of its own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from twin.env.grounds import Ground
+from twin.env.quantities import ahead_w, dot, true
+from twin.machine.build import Machine, soil_part
+from twin.machine.columns import Recorder
+from twin.machine.driver import LIFT_RATE_RADPS, ackermann, steer, towards
+from twin.machine.geometry import geometry
+from twin.machine.simulate import CONTROLS, DECISION_S, Cab, Diverged
+from twin.machine.trajectory import Trajectory
+from twin.physics import block
+from twin.physics.block import Field
+from twin.streams import WHEELS
+
+Array = NDArray[np.float64]
+
+RAISED_M = -0.10
+"""Depth set point at which the plough is carried: the shares this much above the ground [m]."""
+DEEPEST_M = 0.35
+"""Deepest depth set point [m]."""
+SLOWEST_RPM, FASTEST_RPM = 900.0, 2376.0
+"""No-load engine speeds between which the throttle sets the governor [rpm]."""
+SETTLE_S, APPROACH_S = 4.0, 2.0
+"""Time rolled before anything is seen, and time rolled before an episode that sensors see."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where every episode begins: rolling steadily, the plough carried just above the ground."""
+
+    state: Array
+    """MuJoCo's whole state (nstate,)."""
+    approach: Trajectory
+    """What led there, for sensors and filters to settle on."""
+    steer_rad: float
+    lift_rad: float
+
+
+def start(machine: Machine) -> Start:
+    """Roll with the plough carried until everything has settled, and on for the approach."""
+    cab = Cab(machine)
+    carried_rad = float(lift_rad(machine, RAISED_M))
+    cab.task = replace(cab.task, raised_rad=carried_rad, approach_m=math.inf)
+    period_s = DECISION_S
+    for _ in range(round(SETTLE_S / period_s)):
+        cab.act()
+    records = [cab.act() for _ in range(round(APPROACH_S / period_s))]
+    approach = Recorder(machine).trajectory(records)
+    return Start(cab.batch.state[0].copy(), approach, cab.hands.steer_rad, cab.hands.lift_rad)
+
+
+def lift_rad(machine: Machine, depth_set_m: Any) -> Any:
+    """Lower-link angle that puts the plough's sole at a depth, tractor level; elementwise.
+
+    angle = asin((sole below hitch - depth - axle height - link pivot height) / link length)
+    """
+    hitch = machine.hitch
+    sole_m = machine.numbers["plough.sole_below_hitch_m"]
+    axle_m = float(machine.model.body("tractor").pos[2])
+    rise_m = sole_m - depth_set_m - axle_m - hitch.lower_front[1]
+    return np.arcsin(np.maximum(-1.0, np.minimum(1.0, rise_m / hitch.lower_length_m)))
+
+
+def governor(machine: Machine, throttle: Any) -> Any:
+    """Control of a throttle action in [-1, 1], linear in the no-load speed it sets; elementwise."""
+    idle, top = (machine.numbers[f"engine.{n}_rpm"] for n in ("idle", "no_load"))
+    set_rpm = SLOWEST_RPM + 0.5 * (throttle + 1.0) * (FASTEST_RPM - SLOWEST_RPM)
+    return (set_rpm - idle) / (top - idle)
+
+
+def depth_set_m(hitch: Any) -> Any:
+    """Depth set point of a hitch action in [-1, 1]; elementwise [m]."""
+    return RAISED_M + 0.5 * (hitch + 1.0) * (DEEPEST_M - RAISED_M)
+
+
+class Fleet:
+    """The machines of an environment: the only part of it whose physics changes."""
+
+    def __init__(self, machine: Machine, nsim: int = 1, nthread: int = 1) -> None:
+        self.machine = machine
+        model = machine.model
+        self.batch = Batch(model, nsim=nsim, nthread=nthread)
+        self.blocks = self.batch.expand("numeric_data")[:, -block.SIZE :]
+        self.qpos, self.qvel = self.batch.bind("qpos"), self.batch.bind("qvel")
+        self.ctrl, self.slots = self.batch.bind("ctrl"), self.batch.bind("userdata")
+        self.sensordata = self.batch.bind("sensordata")
+        self.period_s = DECISION_S
+        self.steps = round(DECISION_S / model.opt.timestep)
+        self.controls = {name: model.actuator(name).id for name in CONTROLS}
+        named = Recorder(machine).sensors
+        self.velocity_w = self.sensordata[:, named["velocity_w"]]
+        self.world_from_body = self.sensordata[:, named["world_from_body"]]
+        self.to_world = machine.world_from_ground
+        self.track_m = 2.0 * float(model.body("fl_knuckle").pos[1])
+        self.wheelbase_m = float(model.body("front_axle").pos[0])
+        self.driven = [WHEELS.index(w) for w in geometry(machine).driven]
+        self.steer_rad, self.lift_rad = np.zeros(nsim), np.zeros(nsim)
+
+    def restore(self, ids: Sequence[int], start: Start, grounds: Sequence[Ground]) -> None:
+        """Put some tractors back to the start, each on a ground of its own; nothing is compiled."""
+        chosen = np.asarray(ids, dtype=np.int32)
+        self.batch.reset(chosen, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
+        self.batch.state[chosen] = start.state
+        for i, ground in zip(chosen, grounds, strict=True):
+            for name, value in soil_part(ground.soil).items():
+                self.blocks[i, block.SOIL + name] = value
+            self.blocks[i, block.FIELD + Field.SEED] = ground.pattern_seed
+        self.steer_rad[chosen], self.lift_rad[chosen] = start.steer_rad, start.lift_rad
+        self.batch.forward(chosen, stage=mujoco.mjtStage.mjSTAGE_VEL.value)
+
+    def drive(self, actions: Array, *, record: bool) -> dict[Any, NDArray[Any]] | None:
+        """One control step: the driver steers, the actions set throttle and hitch.
+
+        Args:
+            actions: throttle and hitch in [-1, 1], (nsim, 2).
+            record: return what was recorded after each physics step.
+
+        Raises:
+            Diverged: MuJoCo warned; the tractors have to be put back to the start.
+        """
+        self._set(actions)
+        now, records = mujoco.mjtStage.mjSTAGE_VEL.value, None
+        if record:
+            records = self.batch.rollout(self.steps, record=("sensordata", "userdata"))
+            self.batch.forward(stage=now)
+        else:
+            self.batch.step(nstep=self.steps, stage=now)
+        if self.batch.warning[:, :, 1].any():
+            tractor, warning = np.argwhere(self.batch.warning[:, :, 1])[0].tolist()
+            raise Diverged(
+                f"MuJoCo warned ({mujoco.mjtWarning(warning).name}) of tractor {tractor}"
+            )
+        return records
+
+    def true(self) -> dict[str, Array]:
+        """What is true now of each tractor; see `twin.env.quantities.true`."""
+        normal_w = self.to_world[:, 2]
+        return true(self.slots, self.velocity_w, self.world_from_body, normal_w, self.driven)
+
+    def speed_mps(self) -> Array:
+        """Magnitude of the rear axle's velocity, (nsim,)."""
+        return np.sqrt(dot(self.qvel[:, :3], self.qvel[:, :3]))
+
+    def _set(self, actions: Array) -> None:
+        """Controls of all tractors for the next control step."""
+        x, y = self.to_world[:, 0], self.to_world[:, 1]
+        ahead = ahead_w(self.qpos[:, 3:7])
+        left_m, heading = dot(self.qpos[:, :3], y), np.arctan2(dot(ahead, y), dot(ahead, x))
+        self.steer_rad = steer(self.wheelbase_m, self.steer_rad, left_m, heading, self.period_s)
+        wanted = lift_rad(self.machine, depth_set_m(actions[:, 1]))
+        self.lift_rad = towards(self.lift_rad, wanted, LIFT_RATE_RADPS * self.period_s)
+        left, right = ackermann(self.steer_rad, self.wheelbase_m, self.track_m)
+        levers = self.machine.scenario.drive
+        for name, value in (
+            ("throttle", governor(self.machine, actions[:, 0])),
+            ("clutch_pedal", 0.0),
+            ("brake", 0.0),
+            ("steer_left", left),
+            ("steer_right", right),
+            ("lift", self.lift_rad),
+            ("differential_lock", float(levers.differential_lock)),
+            ("front_drive", float(levers.all_wheel_drive)),
+        ):
+            self.ctrl[:, self.controls[name]] = value

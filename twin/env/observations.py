@@ -1,0 +1,96 @@
+"""What an observation holds: its entries in order, each within stated bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box
+from numpy.typing import NDArray
+
+from twin.streams import WHEELS
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One number of an observation; the tables of the environment's docstring say what it means."""
+
+    name: str
+    low: float
+    high: float
+
+
+TASK = (
+    Entry("throttle", -1.0, 1.0),
+    Entry("lift_set_rad", -0.45, 1.0),
+    Entry("slip_target", 0.0, 0.5),
+    Entry("depth_target_m", 0.0, 0.35),
+)
+ESTIMATE = (
+    Entry("slip", -1.0, 1.0),
+    Entry("slip_sd", 0.0, 1.0),
+    Entry("speed_mps", -5.0, 10.0),
+    Entry("wheel_speed_mps", -5.0, 10.0),
+    Entry("depth_m", -1.0, 1.0),
+    Entry("engine_radps", 0.0, 400.0),
+    Entry("engine_load", 0.0, 1.25),
+    Entry("draft_pin_n", -2e5, 2e5),
+    Entry("hitch_m", -1.0, 1.0),
+)
+SENSORS = (
+    *(Entry(f"gnss.v_{axis}_mps", -10.0, 10.0) for axis in ("east", "north", "up")),
+    Entry("gnss.heading_rad", -4.0, 7.0),
+    Entry("gnss.age_s", 0.0, 10.0),
+    *(Entry(f"imu.gyro_{axis}_radps", -5.0, 5.0) for axis in "xyz"),
+    *(Entry(f"imu.accel_{axis}_mps2", -100.0, 100.0) for axis in "xyz"),
+    *(Entry(f"wheels.ticks_{wheel}", -2000.0, 2000.0) for wheel in WHEELS),
+    Entry("depth.laser_m", -2.0, 4.0),
+    Entry("depth.inclination_rad", -1.6, 1.6),
+    Entry("machine.steer_rad", -1.0, 1.0),
+    Entry("machine.hitch_m", -1.0, 1.0),
+    Entry("machine.draft_pin_n", -2e5, 2e5),
+    Entry("machine.axle_torque_nm", -2e5, 2e5),
+    Entry("machine.engine_radps", 0.0, 400.0),
+    Entry("machine.engine_load", 0.0, 1.25),
+    Entry("machine.fuel_lph", 0.0, 100.0),
+)
+TRUTH = (
+    Entry("slip", -1.0, 1.0),
+    *(Entry(f"slip_{wheel}", -1.0, 1.0) for wheel in WHEELS),
+    Entry("speed_mps", -5.0, 10.0),
+    Entry("v_y_rear_mps", -5.0, 5.0),
+    Entry("wheel_speed_mps", -5.0, 10.0),
+    Entry("depth_m", 0.0, 1.0),
+    Entry("draft_n", -2e5, 2e5),
+    Entry("axle_torque_nm", -2e5, 2e5),
+    Entry("engine_radps", -100.0, 400.0),
+    Entry("engine_torque_nm", -500.0, 1000.0),
+    *(Entry(f"load_{wheel}_n", 0.0, 2e5) for wheel in WHEELS),
+)
+MODES = {"estimate": (*ESTIMATE, *TASK), "sensors": (*SENSORS, *TASK), "truth": (*TRUTH, *TASK)}
+"""Entries of an observation by the constructor's `observation`."""
+
+
+def space(entries: tuple[Entry, ...]) -> Box[np.float32]:
+    """The box of the entries' bounds."""
+    bounds = np.array([(e.low, e.high) for e in entries], dtype=np.float32)
+    return Box(bounds[:, 0], bounds[:, 1], dtype=np.float32)
+
+
+def pack(
+    values: Mapping[str, Any], entries: tuple[Entry, ...], box: Box[np.float32], nsim: int
+) -> NDArray[np.float32]:
+    """Observations of shape (nsim, entries), clipped to the box.
+
+    Args:
+        values: by the entries' names, numbers or arrays of shape (nsim,).
+        entries: what is packed, in order.
+        box: their bounds, from `space`.
+        nsim: number of tractors.
+    """
+    out = np.empty((nsim, len(entries)), dtype=np.float32)
+    for i, entry in enumerate(entries):
+        out[:, i] = values[entry.name]
+    return np.minimum(np.maximum(out, box.low), box.high)

@@ -1,0 +1,319 @@
+"""Plough-v0: throttle and hitch against slip and depth."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+import numpy as np
+from gymnasium import Env
+from gymnasium.error import ResetNeeded
+from gymnasium.spaces import Box
+from gymnasium.utils import EzPickle
+from numpy.typing import NDArray
+
+from twin import registry
+from twin.env import grounds, observations, reward
+from twin.env.fleet import FASTEST_RPM, SLOWEST_RPM, Fleet, start
+from twin.env.instruments import Instruments
+from twin.env.quantities import powers
+from twin.env.rendering import Camera
+from twin.errors import BadInput, UnknownName, check_range
+from twin.machine.build import build
+from twin.scenario import Plough, Scenario
+
+Observation = NDArray[np.float32]
+
+ACTIONS = ("throttle", "hitch")
+STALL_MPS, STALL_S = 0.05, 1.0
+"""Slower than this for this long is a stall."""
+
+
+class PloughEnv(Env[Observation, NDArray[np.float32]], EzPickle):
+    """A 103 kW tractor ploughs with four bodies; a controller sets throttle and hitch.
+
+    The goal is a high work rate at a high traction efficiency, with the slip of the driven wheels
+    near a target (heat and torn soil above, power lost in rolling below) and the plough at its
+    depth. A driver holds the line. A control step is 20 ms, ten physics steps.
+
+    ```
+    env = gymnasium.make("twin.env:Plough-v0", observation="estimate")
+    observation, info = env.reset(seed=1, options={"soil.preset": "soft"})
+    ```
+
+    ## Arguments
+
+    | name | default | meaning |
+    |---|---|---|
+    | `observation` | "estimate" | "estimate": an estimator's output and the instruments a cab has; "sensors": the latest raw samples; "truth": what is true, for ablation |
+    | `estimator` | "four-state" | for "estimate": a registered name, or `module:Name` |
+    | `depth_m` | 0.25 | depth to plough at, for which the depth wheel is set [m], 0.05 to 0.35 |
+    | `slip_target` | 0.12 | slip to work at [-], 0.02 to 0.4 |
+    | `render_mode` | None | "rgb_array" |
+
+    ## Actions: `Box(-1, 1, (2,), float32)`, values outside are taken as the bound
+
+    | # | name | -1 | +1 | meaning |
+    |---|---|---|---|---|
+    | 0 | throttle | 900 rpm | 2376 rpm | no-load speed the governor is set to; linear, at once |
+    | 1 | hitch | -0.10 m | 0.35 m | depth set point of the hitch, negative above the ground; linear, becomes the lower links' angle, which follows at 0.35 rad/s; the depth reached differs by sinkage, squat and pitch |
+
+    ## Observations: `Box(float32)`, finite, clipped to the bounds
+
+    SI units; body frame x forward, y left, z up. Slip is (w R - v) / max(|w R|, |v|, 0.05 m/s).
+    Each control step shows what arrived by its end; a value not known (yet) is the last known one,
+    or 0. Estimates and sensors are late by their own filters and latencies. Truth is of the
+    instant of the observation.
+
+    Entries of "estimate", before those every mode ends with:
+
+    | name | low | high | unit | meaning |
+    |---|---|---|---|---|
+    | slip | -1 | 1 | - | slip of the driven axle, estimated |
+    | slip_sd | 0 | 1 | - | its standard deviation, as the estimator believes |
+    | speed_mps | -5 | 10 | m/s | forward speed of the rear-axle centre, estimated |
+    | wheel_speed_mps | -5 | 10 | m/s | theoretical speed w R of the driven axle, nominal radius, estimated |
+    | depth_m | -1 | 1 | m | working depth from laser and inclinometer, positive in the ground |
+    | engine_radps | 0 | 400 | rad/s | engine speed on the bus |
+    | engine_load | 0 | 1.25 | - | engine torque over its reference torque, on the bus |
+    | draft_pin_n | -200000 | 200000 | N | draft, by the pin in the hitch, positive backward |
+    | hitch_m | -1 | 1 | m | height of the hitch points over their pivots, on the bus |
+
+    Entries of "sensors", before those every mode ends with; columns of `twin.streams`:
+
+    | name | low | high | unit | meaning |
+    |---|---|---|---|---|
+    | gnss.v_east_mps | -10 | 10 | m/s | velocity of the main antenna, world east |
+    | gnss.v_north_mps | -10 | 10 | m/s | world north |
+    | gnss.v_up_mps | -10 | 10 | m/s | world up |
+    | gnss.heading_rad | -4 | 7 | rad | heading of the antenna baseline, counter-clockwise from east |
+    | gnss.age_s | 0 | 10 | s | time since the epoch of the GNSS sample |
+    | imu.gyro_x_radps | -5 | 5 | rad/s | angular velocity, body x |
+    | imu.gyro_y_radps | -5 | 5 | rad/s | body y |
+    | imu.gyro_z_radps | -5 | 5 | rad/s | body z |
+    | imu.accel_x_mps2 | -100 | 100 | m/s2 | specific force, body x |
+    | imu.accel_y_mps2 | -100 | 100 | m/s2 | body y |
+    | imu.accel_z_mps2 | -100 | 100 | m/s2 | body z |
+    | wheels.ticks_fl | -2000 | 2000 | counts | encoder counts arrived in this control step, front left |
+    | wheels.ticks_fr | -2000 | 2000 | counts | front right |
+    | wheels.ticks_rl | -2000 | 2000 | counts | rear left |
+    | wheels.ticks_rr | -2000 | 2000 | counts | rear right |
+    | depth.laser_m | -2 | 4 | m | range of the laser on the plough to the ground |
+    | depth.inclination_rad | -1.6 | 1.6 | rad | pitch of the plough's frame |
+    | machine.steer_rad | -1 | 1 | rad | mean steering angle, positive to the left |
+    | machine.hitch_m | -1 | 1 | m | height of the hitch points over their pivots |
+    | machine.draft_pin_n | -200000 | 200000 | N | draft, positive backward |
+    | machine.axle_torque_nm | -200000 | 200000 | N m | torque at the driven axle |
+    | machine.engine_radps | 0 | 400 | rad/s | engine speed |
+    | machine.engine_load | 0 | 1.25 | - | engine torque over its reference torque |
+    | machine.fuel_lph | 0 | 100 | L/h | fuel rate |
+
+    Entries of "truth", before those every mode ends with:
+
+    | name | low | high | unit | meaning |
+    |---|---|---|---|---|
+    | slip | -1 | 1 | - | slip of the driven axle |
+    | slip_fl | -1 | 1 | - | slip, front left |
+    | slip_fr | -1 | 1 | - | slip, front right |
+    | slip_rl | -1 | 1 | - | slip, rear left |
+    | slip_rr | -1 | 1 | - | slip, rear right |
+    | speed_mps | -5 | 10 | m/s | velocity of the rear-axle centre along x of the body in the ground plane |
+    | v_y_rear_mps | -5 | 5 | m/s | velocity of the rear-axle centre along y in the ground plane |
+    | wheel_speed_mps | -5 | 10 | m/s | w R of the driven axle, true radius |
+    | depth_m | 0 | 1 | m | mean depth of the shares |
+    | draft_n | -200000 | 200000 | N | soil force on the plough against the motion |
+    | axle_torque_nm | -200000 | 200000 | N m | torque at the driven axle |
+    | engine_radps | -100 | 400 | rad/s | engine speed |
+    | engine_torque_nm | -500 | 1000 | N m | engine torque |
+    | load_fl_n | 0 | 200000 | N | normal load, front left |
+    | load_fr_n | 0 | 200000 | N | normal load, front right |
+    | load_rl_n | 0 | 200000 | N | normal load, rear left |
+    | load_rr_n | 0 | 200000 | N | normal load, rear right |
+
+    Entries every mode ends with:
+
+    | name | low | high | unit | meaning |
+    |---|---|---|---|---|
+    | throttle | -1 | 1 | - | the throttle action in force |
+    | lift_set_rad | -0.45 | 1 | rad | lower-link angle the hitch is set to, after its rate |
+    | slip_target | 0 | 0.5 | - | argument `slip_target` |
+    | depth_target_m | 0 | 0.35 | m | argument `depth_m` |
+
+    ## Reward: the sum of four terms from the truth at the end of the control step
+
+    | term | value | range |
+    |---|---|---|
+    | work | 0.30 (1.4 m) v min(1, depth / target) / (1 ha/h) | [0, about 0.5] |
+    | efficiency | 0.20 draft v / (axle torque, axle speed), within [0, 1] | [0, 0.20] |
+    | slip | 0.25 / (1 + ((slip - target) / 0.05)^2) | (0, 0.25] |
+    | depth | 0.25 / (1 + ((depth - target) / 0.03 m)^2) | (0, 0.25] |
+
+    None is negative, so stalling never pays. Each is in `info` as `reward_<term>`, beside `slip`,
+    `depth_m`, `speed_mps`, `draft_n`, `work_rate_haph`, `traction_efficiency`, and after a reset
+    the ground as `soil.*`.
+
+    ## Start
+
+    Rolling straight at the scenario's engine speed (1628 rpm no-load, 2.05 m/s), settled for 6 s,
+    the plough carried with its shares 0.10 m above the ground (hitch action -1). Sensors and
+    estimator have seen the last 2 s. The ground is drawn from the seed:
+
+    | quantity | drawn | option of `reset` |
+    |---|---|---|
+    | preset | firm, tilled, soft or grass | `soil.preset`, any of `twin list` |
+    | friction | preset x U(0.85, 1.10) | `soil.friction` |
+    | cone index | preset x U(0.80, 1.25) | `soil.cone_index_kpa` [kPa] |
+    | draft scale | preset x U(0.80, 1.20) | `soil.draft_scale`, F of ASABE D497 |
+    | pattern of the draft in the field, sensor errors | seeds | none |
+
+    ## End
+
+    Terminated by a stall: slower than 0.05 m/s for 1 s. Truncated after 1500 control steps (30 s)
+    by the registration's limit.
+
+    ## Errors
+
+    A wrong shape or a NaN in the action, an unknown option or a value out of range raise
+    `twin.errors.TwinError` before anything has changed; the environment can be used on.
+
+    ## Version history
+
+    v0: first.
+    """  # noqa: E501
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 50}  # noqa: RUF012  Gymnasium's name
+
+    def __init__(
+        self,
+        observation: str = "estimate",
+        estimator: str = "four-state",
+        depth_m: float = 0.25,
+        slip_target: float = 0.12,
+        render_mode: str | None = None,
+    ) -> None:
+        EzPickle.__init__(self, observation, estimator, depth_m, slip_target, render_mode)
+        if observation not in observations.MODES:
+            raise UnknownName("observation", observation, observations.MODES)
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise UnknownName("render_mode", str(render_mode), self.metadata["render_modes"])
+        check_range("slip_target", slip_target, 0.02, 0.4)
+        self.render_mode = render_mode
+        self.depth_m, self.slip_target = float(depth_m), float(slip_target)
+        machine = build(Scenario(name="Plough-v0", plough=Plough(depth_m=self.depth_m)))
+        numbers = machine.numbers
+        self.width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
+        self.start, self.fleet = start(machine), Fleet(machine)
+        self.instruments = None
+        if observation != "truth":
+            wanted = registry.load("estimator", estimator) if observation == "estimate" else None
+            self.instruments = Instruments(machine, wanted)
+        self.camera: Camera | None = None
+        self.entries = observations.MODES[observation]
+        self.box = observations.space(self.entries)
+        self.observation_space = self.box
+        self.action_space = Box(-1.0, 1.0, (len(ACTIONS),), np.float32)
+        self.running = False
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begin an episode on a new ground.
+
+        Raises:
+            UnknownName, BadInput, OutOfRange: an option that cannot be; see `grounds.OPTIONS`.
+        """
+        chosen = grounds.check_options(options)
+        super().reset(seed=seed)
+        ground = grounds.draw(self.np_random, chosen)
+        self.fleet.restore([0], self.start, [ground])
+        if self.instruments is not None:
+            self.instruments.begin(ground.noise_seed, self.start.approach)
+        self.standing_s, self.running = 0.0, True
+        self.action = np.array([[self._start_throttle(), -1.0]])
+        true = self.fleet.true()
+        return self._observe(true), self._info(true) | ground.info()
+
+    def step(
+        self, action: NDArray[np.float32]
+    ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Drive for 20 ms.
+
+        Raises:
+            BadInput: an action of the wrong shape, or one that is not finite.
+            Diverged: the simulation left the finite numbers; reset to go on.
+        """
+        taken = _checked(action)
+        if not self.running:
+            raise ResetNeeded("call reset() before step()")
+        self.action, self.running = taken, False  # until the step has gone well
+        records = self.fleet.drive(taken, record=self.instruments is not None)
+        self.running = True
+        if self.instruments is not None and records is not None:
+            self.instruments.advance([records])
+        true = self.fleet.true()
+        terms = reward.terms(true, self.width_m, self.depth_m, self.slip_target)
+        info = {f"reward_{name}": float(value[0]) for name, value in terms.items()}
+        total = sum(info.values())
+        return self._observe(true), total, self._stalled(), False, self._info(true) | info
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """The tractor as it stands, (480, 640, 3), or None without a render mode.
+
+        Raises:
+            DependencyNotInstalled: there is no OpenGL driver.
+        """
+        if self.render_mode is None:
+            return None
+        if self.camera is None:
+            self.camera = Camera(self.fleet.machine.model)
+        state = self.fleet.batch.get_data(0)
+        mujoco.mj_forward(self.fleet.machine.model, state)
+        return self.camera.picture(state)
+
+    def close(self) -> None:
+        """Let go of the renderer."""
+        if self.camera is not None:
+            self.camera.close()
+            self.camera = None
+
+    def _start_throttle(self) -> float:
+        set_rpm = self.fleet.machine.scenario.drive.engine_set_rpm
+        return 2.0 * (set_rpm - SLOWEST_RPM) / (FASTEST_RPM - SLOWEST_RPM) - 1.0
+
+    def _stalled(self) -> bool:
+        slow = bool(self.fleet.speed_mps()[0] < STALL_MPS)
+        self.standing_s = self.standing_s + self.fleet.period_s if slow else 0.0
+        return self.standing_s >= STALL_S
+
+    def _observe(self, true: dict[str, Any]) -> Observation:
+        values: dict[str, Any] = true if self.instruments is None else self.instruments.values()
+        task = {
+            "throttle": self.action[:, 0],
+            "lift_set_rad": self.fleet.lift_rad,
+            "slip_target": self.slip_target,
+            "depth_target_m": self.depth_m,
+        }
+        packed: Observation = observations.pack(values | task, self.entries, self.box, 1)[0]
+        return packed
+
+    def _info(self, true: dict[str, Any]) -> dict[str, Any]:
+        rate_m2ps = reward.work_rate_m2ps(true, self.width_m, self.depth_m)
+        info = {name: float(true[name][0]) for name in ("slip", "depth_m", "speed_mps", "draft_n")}
+        info["work_rate_haph"] = float(rate_m2ps[0]) * 0.36
+        info["traction_efficiency"] = float(powers(true)["traction_efficiency"][0])
+        return info
+
+
+def _checked(action: Any) -> NDArray[np.float64]:
+    """An action as numbers within [-1, 1], (1, 2). Raises BadInput for one that cannot be meant."""
+    wanted = f"{len(ACTIONS)} numbers in [-1, 1]: {', '.join(ACTIONS)}"
+    try:
+        taken = np.asarray(action, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise BadInput(f"action {action!r} is not {wanted}") from None
+    if taken.shape != (len(ACTIONS),):
+        raise BadInput(f"action has shape {taken.shape}, not ({len(ACTIONS)},); give {wanted}")
+    for i, name in enumerate(ACTIONS):
+        if not np.isfinite(taken[i]):
+            raise BadInput(f"action[{i}] ({name}) = {taken[i]} is not finite; give {wanted}")
+    return np.minimum(np.maximum(taken, -1.0), 1.0)[None]
