@@ -38,6 +38,8 @@ class Run:
     truth: Table
     estimates: dict[str, Table]
     wall_s: float
+    ended: str = "course driven"
+    """Why the run ended."""
 
 
 def run(
@@ -61,11 +63,25 @@ def run(
     nominal = geometry(machine)
     setup = sensors.setup(scenario.sensors, nominal)
     streams, true = sense(machine, nominal.driven, progress or (lambda fraction: None))
+    ended = _ended(machine, true)
     estimates = {
         name: estimator.run(estimator.init(setup), streams)[1]
         for name, estimator in estimators.items()
     }
-    return Run(scenario, setup, streams, true, estimates, time.perf_counter() - start)
+    wall_s = time.perf_counter() - start
+    return Run(scenario, setup, streams, true, estimates, wall_s, ended)
+
+
+def _ended(machine: Machine, true: Table) -> str:
+    """Why a run ended: the course driven, a stall, or a depth never reached."""
+    course, plough = machine.scenario.course, machine.scenario.plough
+    place_w = np.array([true[name][-1] for name in ("east_m", "north_m", "up_m")])
+    along_m = float(place_w @ machine.world_from_ground[:, 0])
+    if along_m < course.approach_m + course.length_m - 1.0:
+        return f"stalled {along_m:.1f} m along the course"
+    if plough is not None and not true["ploughing"].any():
+        return f"never at {FULL_DEPTH:.0%} of the set depth"
+    return "course driven"
 
 
 def sense(

@@ -45,10 +45,12 @@ PRESETS: dict[str, Preset] = {
     ),
     "gravel": Preset(
         about="gravel road, beyond Brixius' range: k, c0 assumed",
-        cone_index_kpa=2500.0, friction=0.70, slip_rate=12.0, rolling_moment=0.025, strength_cv=0.10,
+        cone_index_kpa=2500.0, friction=0.70, slip_rate=12.0, rolling_moment=0.025,
+        strength_cv=0.10,
     ),
     "grass": Preset(
-        about="short grass on firm soil; friction assumed", cone_index_kpa=1500.0, friction=0.65, strength_cv=0.10,
+        about="short grass on firm soil; friction assumed",
+        cone_index_kpa=1500.0, friction=0.65, strength_cv=0.10,
     ),
 }  # fmt: skip
 """Cone indices of the fields: ASABE D497's classes. The roads and grass are extrapolations."""

@@ -50,10 +50,13 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     ),
     "camera": (),
 }  # fmt: skip
-"""Columns each sensor may have beside its stamps. `quality` is NMEA GGA's (4 fixed, 5 float, 1 single,
-0 none); `ticks_*` are cumulative int64; `speed_*_mps` are the theoretical speed w R of a source that
-gives no ticks (a single wheel-based vehicle speed stands in both driven wheels). The order of the
-sensors is the order in which samples that arrive at the same instant are handed on."""
+"""Columns each sensor may have beside its stamps.
+
+`quality` is NMEA GGA's (4 fixed, 5 float, 1 single, 0 none); `ticks_*` are cumulative int64;
+`speed_*_mps` are the theoretical speed w R of a source that gives no ticks (a single wheel-based
+vehicle speed stands in both driven wheels). The order of the sensors is the order in which samples
+that arrive at the same instant are handed on.
+"""
 
 ESTIMATES = (
     "epoch_ns", "speed_mps", "wheel_speed_mps", "slip", "slip_sd", "slip_rl", "slip_rr",
@@ -226,7 +229,10 @@ def concatenate(parts: Iterable[Streams]) -> Streams:
 
 
 def check(streams: Streams) -> None:
-    """Raise BadInput unless the tables obey the contract: known names, equal lengths, ordered arrivals."""
+    """Raise BadInput unless the tables obey the contract.
+
+    Known names, equal lengths, arrivals in order.
+    """
     for name, table in streams.tables.items():
         if name not in COLUMNS:
             raise BadInput(f"stream '{name}' is not one of {', '.join(COLUMNS)}")

@@ -6,8 +6,9 @@ from functools import cache
 import mujoco
 import numpy as np
 
-from twin.machine.build import RAISED_RAD, build
+from twin.machine.build import build
 from twin.machine.simulate import Cab, simulate
+from twin.machine.start import RAISED_RAD
 from twin.physics.block import MACHINE_SLOTS, WheelSlot
 from twin.scenario import Course, Field, Plough, Scenario
 

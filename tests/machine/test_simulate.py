@@ -8,7 +8,8 @@ import pytest
 from tests.machine.rigs import BARE, PLOUGHING, driven, field, replace, soiled
 from twin.machine.build import build
 from twin.machine.columns import Recorder
-from twin.machine.simulate import Diverged, simulate
+from twin.machine.simulate import simulate
+from twin.machine.start import Diverged
 from twin.scenario import Course, Plough
 
 

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from scenarios.plough import CM_25
-from twin.machine.build import RAISED_RAD, Machine, build
+from twin.machine.build import Machine, build
+from twin.machine.start import RAISED_RAD
 from twin.physics import block
 from twin.physics.block import MachineSlot, WheelSlot
 from twin.scenario import Plough

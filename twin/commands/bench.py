@@ -12,7 +12,6 @@ from twin.commands.parse import parse
 from twin.commands.terminal import console
 from twin.errors import BadInput
 
-
 COLUMNS = ("published", "reference", "low", "high", "unit", "passed")
 
 

@@ -65,6 +65,7 @@ def execute(scenario: Any, options: Options) -> Path:
     with progress(scenario.name, shown=shown) as report:
         result = run(scenario, estimators=estimators, progress=report)
     table = scores.score(result.truth, result.estimates, scenario=scenario.name, seed=scenario.seed)
+    table["ended"] = result.ended
     runfolder.write(result, table, directory, pictures=_pictures())
     _say(result, table, directory, options)
     return directory

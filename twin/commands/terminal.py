@@ -51,6 +51,8 @@ def _title(scores: Mapping[str, Any]) -> str:
     ):
         if truth.get(key) is not None:
             said.append(form.format(truth[key]))
+    if scores.get("ended", "course driven") != "course driven":
+        said.append(str(scores["ended"]).upper())
     return ", ".join(said)
 
 

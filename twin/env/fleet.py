@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from twin.env.grounds import Ground
 from twin.env.quantities import ahead_w, dot, true
-from twin.machine.build import Machine, soil_part
+from twin.machine.build import Machine
 from twin.machine.columns import Recorder
 from twin.machine.driver import LIFT_RATE_RADPS, ackermann, steer, towards
 from twin.machine.geometry import geometry
-from twin.machine.simulate import CONTROLS, DECISION_S, Cab, Diverged
+from twin.machine.parameters import soil_part
+from twin.machine.simulate import CONTROLS, DECISION_S, Cab
+from twin.machine.start import Diverged
 from twin.machine.trajectory import Trajectory
 from twin.physics import block
 from twin.physics.block import Field

@@ -17,7 +17,7 @@ LIFT_RATE_RADPS = 0.35
 DEPTH_GAIN_RAD_PER_MS = 0.4
 """Correction of the hitch per depth error and second [rad/(m s)]; a hitch of about 1 s... 3 s."""
 DRAFT_GAIN_RADPS = 0.5
-"""Rate of the hitch per relative error of the draft [rad/s]: a band width of about 1 Hz; assumed."""
+"""Rate of the hitch per relative error of the draft [rad/s]: a band width of 1 Hz; assumed."""
 DRAFT_DEAD_BAND = 0.05
 """Relative error of the draft that is let be [-]; a few per cent in practice."""
 FLOAT_RAD = -0.4

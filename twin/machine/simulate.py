@@ -6,15 +6,15 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-import mujoco
 import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from twin.errors import TwinError
-from twin.machine.build import RAISED_RAD, Machine, expected_draft_n
+from twin.machine.build import Machine
 from twin.machine.columns import Recorder
 from twin.machine.driver import Hands, Observed, Task, ackermann, drive
+from twin.machine.plough_setting import expected_draft_n
+from twin.machine.start import RAISED_RAD, Diverged, refuse_warnings
 from twin.machine.trajectory import Trajectory
 from twin.physics import block
 from twin.physics.block import MachineSlot
@@ -32,10 +32,6 @@ LOWERING_M = 30.0
 """Distance in which the plough must reach its depth; the length counts from there at most."""
 DEPTH_SLOT = block.MACHINE_SLOTS + int(MachineSlot.DEPTH_M)
 DRAFT_SLOT = block.MACHINE_SLOTS + int(MachineSlot.DRAFT_N)
-
-
-class Diverged(TwinError, ArithmeticError):
-    """The simulation left the finite numbers, or MuJoCo warned."""
 
 
 def _expected_draft_n(machine: Machine) -> float:
@@ -75,7 +71,7 @@ class Cab:
 
     def _start_rolling(self) -> None:
         model, machine = self.machine.model, self.machine
-        self.qpos[0] = machine.start_qpos
+        self.qpos[0], self.batch.bind("act")[0] = machine.start_qpos, machine.start_act
         speed = machine.start_speed_mps
         self.qvel[0, :3] = machine.world_from_ground @ np.array([speed, 0.0, 0.0])
         for wheel in block.WHEELS:
@@ -146,11 +142,7 @@ def simulate(machine: Machine, chunk_decisions: int = CHUNK_DECISIONS) -> Iterat
 
 
 def _check(cab: Cab, time_s: float) -> None:
-    warned = np.flatnonzero(cab.batch.warning[0, :, 1])
-    if len(warned):
-        name = mujoco.mjtWarning(int(warned[0])).name
-        raise Diverged(
-            f"MuJoCo warned ({name}) in '{cab.machine.scenario.name}' after {time_s:.2f} s"
-        )
+    name = cab.machine.scenario.name
+    refuse_warnings(cab.batch.warning[0, :, 1], name, time_s)
     if not np.all(np.isfinite(cab.qpos)):
-        raise Diverged(f"qpos is not finite in '{cab.machine.scenario.name}' after {time_s:.2f} s")
+        raise Diverged(f"qpos is not finite in '{name}' after {time_s:.2f} s")

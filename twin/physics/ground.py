@@ -14,7 +14,6 @@ from twin.physics.block import Field, Soil
 from twin.physics.compiled import law
 from twin.physics.shapes import Array, Vector
 
-
 _MIX_X, _MIX_Y, _MIX_SEED = (
     np.uint64(0x9E3779B97F4A7C15),
     np.uint64(0xC2B2AE3D27D4EB4F),

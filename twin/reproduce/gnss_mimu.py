@@ -1,7 +1,7 @@
 """The road experiment of Zhang (2018): how much estimated slip scatters, by speed and surface.
 
-The paper has no reference and no error figure: it says that slip stays within 6 % at about 5 km/h and
-within 2 % at about 20 km/h on asphalt, and scatters more on gravel and grass. Both figures are one
+The paper has no reference and no error figure: it says that slip stays within 6 % at about 5 km/h
+and within 2 % at about 20 km/h on asphalt, and scatters more on gravel and grass. Both are one
 speed error of about 0.1 m/s, so an instrument with such an error is fitted here: a Hall sensor read
 every 0.1 s.
 """

@@ -26,7 +26,7 @@ SPEEDS_KMH = {15: 6.48, 20: 5.83, 25: 5.44, 30: 5.04}
 SLIPS = {15: (0.056, 0.087), 20: (0.074, 0.121), 25: (0.097, 0.165), 30: (0.123, 0.233)}
 """5 to 95 % of the slip that draft and traction laws allow at the published speeds."""
 FITTED = {"engine_set_rpm": 25.0, "draft_scale": 0.02}
-"""What is fitted to three depths to foretell the fourth, with the steps of its finite differences."""
+"""What is fitted to three depths to foretell the fourth, with steps of finite differences."""
 
 
 def rows(trials: int = 16, jobs: int = 1) -> list[dict[str, Any]]:
@@ -101,15 +101,13 @@ def _slopes(cm: int, base: float, trials: int, jobs: int) -> NDArray[np.float64]
         _mean(_drive_all(_changed(SCENARIOS[cm], name, step), trials, jobs), "speed_kmh")
         for name, step in FITTED.items()
     ]
-    return (np.array(changed) - base) / np.array(list(FITTED.values()))
+    return np.asarray((np.array(changed) - base) / np.array(list(FITTED.values())))
 
 
 def _changed(scenario: Scenario, name: str, step: float) -> Scenario:
     if name == "engine_set_rpm":
         drive_ = scenario.drive
-        return replace(
-            scenario, drive=replace(drive_, engine_set_rpm=drive_.engine_set_rpm + step)
-        )
+        return replace(scenario, drive=replace(drive_, engine_set_rpm=drive_.engine_set_rpm + step))
     scale = scenario.soil.resolved().draft_scale + step
     return replace(scenario, soil=replace(scenario.soil, draft_scale=scale))
 

@@ -1,0 +1,169 @@
+"""The numbers of the laws: from the model's own and the scenario's to the parameter block."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.errors import BadInput
+from twin.physics import block
+from twin.physics.block import Coupling, Engine, Field, Head, Plough, Soil, Wheel
+from twin.scenario import FURROW_SIDES, ROUGHNESS, Scenario
+from twin.scenario import Soil as Ground
+from twin.soils import LAWS
+
+Array = NDArray[np.float64]
+
+FURROW_AHEAD_M, FURROW_RAMP_M = 2.0, 3.0
+"""The last furrow begins so far before the plough is lowered, and takes so long to its depth."""
+CONTROLS = {"clutch": "clutch_pedal", "lock": "differential_lock", "front_drive": "front_drive"}
+
+
+def parameter_block(
+    scenario: Scenario, model: Any, numbers: dict[str, float], rotation: Array
+) -> Array:
+    """The parameter block of twin.physics.block."""
+    out = np.zeros(block.SIZE)
+    head = {
+        Head.MAGIC: block.MAGIC,
+        Head.VERSION: block.VERSION,
+        Head.RATES: block.RATE_SLOTS,
+        Head.PLOUGH_BODY: body_id(model, "plough.frame"),
+        Head.DEPTH_WHEEL_BODY: body_id(model, "plough.depth_wheel"),
+    }
+    parts: list[tuple[int, dict[Any, float]]] = [
+        (0, head),
+        (block.FIELD, field_part(scenario, numbers, rotation)),
+        (block.SOIL, soil_part(scenario.soil)),
+        (block.ENGINE, _engine(scenario, model, numbers)),
+    ]
+    for i, name in enumerate(block.COUPLINGS):
+        part = _coupling(model, name, numbers, scenario.drive.gear_ratio)
+        parts.append((block.COUPLING + i * Coupling.SIZE, part))
+    for i, wheel in enumerate(block.WHEELS):
+        parts.append((block.WHEEL + i * Wheel.SIZE, _wheel(model, wheel, numbers)))
+    if scenario.plough is not None:
+        side = FURROW_SIDES[scenario.plough.furrow]
+        parts.append((block.PLOUGH, _plough(model, numbers, side)))
+    for start, part in parts:
+        for index, value in part.items():
+            out[start + index] = value
+    return out
+
+
+def soil_part(soil: Ground) -> dict[Any, float]:
+    """The block's numbers of a soil."""
+    preset = soil.resolved()
+    return {
+        Soil.LAW: LAWS.index(soil.law),
+        Soil.FRICTION: preset.friction,
+        Soil.CONE_INDEX_KPA: preset.cone_index_kpa,
+        Soil.SLIP_RATE: preset.slip_rate,
+        Soil.ROLLING_MOMENT: preset.rolling_moment,
+        Soil.MOBILITY_RESISTANCE: preset.mobility_resistance,
+        Soil.DRAFT_SCALE: preset.draft_scale,
+        Soil.DRAFT_CV: soil.draft_cv,
+        Soil.DRAFT_LENGTH_M: soil.draft_length_m,
+        Soil.RIPPLE_CV: soil.ripple_cv,
+        Soil.STRENGTH_CV: preset.strength_cv,
+        Soil.ROCKS_PER_M2: soil.rocks_per_100m2 / 100.0,
+        Soil.ROCK_N: 1e3 * soil.rock_kn,
+    }
+
+
+def field_part(scenario: Scenario, numbers: dict[str, float], rotation: Array) -> dict[Any, float]:
+    """Ground plane, furrow and patches, as numbers of the block."""
+    roughness_m = 0.1 * math.sqrt(ROUGHNESS[scenario.field.roughness_class])
+    out: dict[Any, float] = {Field.SEED: scenario.seed, Field.ROUGHNESS_M: roughness_m}
+    for i, axis in enumerate((Field.AHEAD, Field.LEFT, Field.NORMAL)):
+        out |= {axis + k: rotation[k, i] for k in range(3)}
+    if scenario.plough is not None:
+        wall = (Field.FURROW_WIDTH_M, Field.WALL_STIFFNESS_NPM, Field.WALL_DAMPING_NSPM)
+        out |= {
+            Field.FURROW_SIDE: FURROW_SIDES[scenario.plough.furrow],
+            Field.FURROW_DEPTH_M: scenario.plough.depth_m,
+            Field.FURROW_EDGE_M: numbers["furrow.edge_m"],
+            Field.FURROW_START_M: scenario.course.approach_m - FURROW_AHEAD_M,
+            Field.FURROW_RAMP_M: FURROW_RAMP_M,
+            **{f: numbers[f"furrow.{f.name.lower().removeprefix('furrow_')}"] for f in wall},
+        }
+    for i, patch in enumerate(scenario.field.patches):
+        end_m = patch.start_m + patch.length_m
+        values = (patch.start_m, end_m, patch.friction_factor, patch.cone_index_factor)
+        out |= {Field.PATCHES + 4 * i + k: value for k, value in enumerate(values)}
+    return out | {Field.PATCH_COUNT: len(scenario.field.patches)}
+
+
+def body_id(model: Any, name: str) -> int:
+    """A body's number, -1 where there is none."""
+    return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
+
+
+def _number(numbers: dict[str, float], name: str) -> float:
+    if name not in numbers:
+        raise BadInput(f"the model has no <numeric name='{name}'>")
+    return numbers[name]
+
+
+def _named(numbers: dict[str, float], prefix: str, fields: tuple[Any, ...]) -> dict[Any, float]:
+    """Fields of a block part from the numerics `prefix.<field in lower case>`."""
+    return {f: _number(numbers, f"{prefix}.{f.name.lower()}") for f in fields}
+
+
+def _wheel(model: Any, wheel: str, numbers: dict[str, float]) -> dict[Any, float]:
+    axle = "front" if wheel[0] == "f" else "rear"
+    sizes = tuple(f for f in Wheel if Wheel.WIDTH_M <= f < Wheel.SIZE)
+    return {
+        Wheel.BODY: model.body(f"{wheel}_wheel").id,
+        Wheel.SPIN: int(model.joint(f"{wheel}_spin").dofadr[0]),
+        Wheel.TYRE: _activation(model, f"{wheel}_tyre_x"),
+        **_named(numbers, f"tyre_{axle}", sizes),
+    }
+
+
+def _activation(model: Any, actuator: str) -> int:
+    """Address of an actuator's activation."""
+    return int(model.actuator_actadr[model.actuator(actuator).id])
+
+
+def _engine(scenario: Scenario, model: Any, numbers: dict[str, float]) -> dict[Any, float]:
+    own = tuple(f for f in Engine if f < Engine.GEAR_RATIO)
+    return {
+        **_named(numbers, "engine", own),
+        Engine.GEAR_RATIO: scenario.drive.gear_ratio,
+        Engine.FRONT_RATIO: _number(numbers, "front_drive.ratio"),
+        Engine.SHAFT: int(model.joint("drive").dofadr[0]),
+        Engine.THROTTLE: model.actuator("throttle").id,
+    }
+
+
+def _coupling(
+    model: Any, name: str, numbers: dict[str, float], gear_ratio: float
+) -> dict[Any, float]:
+    kind = name.removesuffix("_rl").removesuffix("_rr")
+    sizes = (Coupling.CAPACITY_NM, Coupling.WINDUP_RAD, Coupling.DAMPING_S)
+    own = _named(numbers, kind, sizes)
+    if kind == "clutch":  # it sits at the engine, the wind-up is the axle's
+        own[Coupling.CAPACITY_NM] *= gear_ratio
+    return {
+        Coupling.CONTROL: model.actuator(CONTROLS.get(kind, "brake")).id,
+        Coupling.WINDUP: _activation(model, f"{name}_windup"),
+        **own,
+    }
+
+
+def _plough(model: Any, numbers: dict[str, float], side: int) -> dict[Any, float]:
+    laws = tuple(f for f in Plough if f < Plough.WHEEL_RADIUS_M)
+    wheel = tuple(f for f in Plough if Plough.WHEEL_RADIUS_M <= f < Plough.SHARES)
+    out = _named(numbers, "plough", laws)
+    for f in wheel:
+        out[f] = _number(numbers, "plough." + f.name.lower().replace("wheel_", "depth_wheel."))
+    mirror = -1.0 if side < 0 else 1.0  # drawn for a furrow on the left
+    for i in range(int(out[Plough.BODIES])):
+        x, y, z = model.site(f"plough.share_{i + 1}").pos
+        out |= {Plough.SHARES + 3 * i + k: v for k, v in enumerate((x, mirror * y, z))}
+    return out

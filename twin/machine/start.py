@@ -1,0 +1,81 @@
+"""The start of a run: settled on its tyres, then rolling."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.errors import TwinError
+from twin.machine.ground_frame import quaternion
+from twin.machine.hitch import Hitch
+from twin.physics import block
+from twin.scenario import Scenario
+
+Array = NDArray[np.float64]
+
+RAISED_RAD = 0.6
+"""Lower-link angle with the plough carried."""
+SETTLE_S = 4.0
+"""Time in which the machine settles on its tyres before a run."""
+
+
+class Diverged(TwinError, ArithmeticError):
+    """The simulation left the finite numbers, or MuJoCo warned."""
+
+
+def unloaded_speed_mps(scenario: Scenario, numbers: dict[str, float]) -> float:
+    """Speed at which the governed engine just carries its own losses."""
+    drive = scenario.drive
+    droop = (
+        numbers["engine.droop_rpm_per_nm"] * numbers["engine.no_load_rpm"] / drive.engine_set_rpm
+    )
+    rpm = drive.engine_set_rpm - 2.5 * droop * numbers["engine.parasitic_nm"]
+    radius_m = numbers["tyre_rear.free_rolling_radius_m"]
+    return rpm * math.pi / 30.0 / drive.gear_ratio * radius_m
+
+
+def settled(model: Any, qpos: Array, name: str) -> tuple[Array, Array]:
+    """Where the machine comes to rest with the brakes on and the plough carried.
+
+    Returns:
+        qpos, and the activations with all couplings released. Shapes (nq,), (na,).
+
+    Raises:
+        Diverged: it does not come to rest as a finite number.
+    """
+    state = mujoco.MjData(model)
+    state.qpos[:] = qpos
+    for control, value in (("brake", 1.0), ("clutch_pedal", 1.0), ("lift", RAISED_RAD)):
+        state.ctrl[model.actuator(control).id] = value
+    mujoco.mj_step(model, state, round(SETTLE_S / model.opt.timestep))
+    refuse_warnings(np.array([w.number for w in state.warning]), name, SETTLE_S)
+    act = np.array(state.act)
+    act[2 * len(block.WHEELS) :] = 0.0
+    return np.array(state.qpos), act
+
+
+def refuse_warnings(counts: NDArray[Any], name: str, time_s: float) -> None:
+    """Raise Diverged if MuJoCo has warned."""
+    warned = np.flatnonzero(counts)
+    if len(warned):
+        warning = mujoco.mjtWarning(int(warned[0])).name
+        raise Diverged(f"MuJoCo warned ({warning}) in '{name}' after {time_s:.2f} s")
+
+
+def standing(
+    model: Any, scenario: Scenario, rotation: Array, hitch: Hitch, work_rad: float
+) -> Array:
+    """Standing on the ground at the start of the course, the plough carried. Shape (nq,)."""
+    qpos = model.qpos0.copy()
+    qpos[:3] = rotation @ np.array([0.0, 0.0, model.body("tractor").pos[2]])
+    qpos[3:7] = quaternion(rotation)
+    qpos[model.joint("lift").qposadr[0]] = RAISED_RAD
+    if scenario.plough is not None:
+        top_m = hitch.top_length_m(work_rad, -work_rad)
+        pitch = hitch.pitch_rad_at(RAISED_RAD, top_m)
+        qpos[model.joint("plough.pitch").qposadr[0]] = pitch
+    return np.asarray(qpos, dtype=np.float64)
