@@ -12,6 +12,7 @@ from twin.scenario import Field, Patch, Plough, Scenario, Soil
 CM_25 = Scenario(
     name="plough-25cm",
     about="200 m at 25 cm in firm soil; published mean speed 5.44 km/h",
+    field=Field(roughness_class="C"),
     plough=Plough(depth_m=0.25),
 )
 CM_15 = replace(
@@ -44,6 +45,7 @@ SLIP_PATCH = replace(
     name="plough-slip-patch",
     about="25 cm in firm soil with 10 m of 15 % less grip from 80 m and from 140 m",
     field=Field(
+        roughness_class="C",
         patches=(
             Patch(start_m=80.0, length_m=10.0, friction_factor=0.85),
             Patch(start_m=140.0, length_m=10.0, friction_factor=0.85),

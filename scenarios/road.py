@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from twin.scenario import Course, Drive, Scenario, Soil
+from twin.scenario import Course, Drive, Field, Scenario, Soil
 
+ROUGHNESS = {"asphalt": "A", "gravel": "C", "grass": "D"}
+"""Classes of ISO 8608; assumed."""
 GEARS = {5: 100.0, 7: 72.0, 10: 52.0, 20: 26.0}
 """Engine turns per turn of the axle for each speed [km/h]: about 1690 rpm in each gear."""
 
@@ -13,6 +15,7 @@ def _road(surface: str, speed_kmh: int) -> Scenario:
         name=f"road-{surface}-{speed_kmh}kmh",
         about=f"{surface} at {speed_kmh} km/h, 200 m",
         soil=Soil(preset=surface),
+        field=Field(roughness_class=ROUGHNESS[surface]),
         drive=Drive(gear_ratio=GEARS[speed_kmh], engine_set_rpm=1700.0),
         course=Course(approach_m=15.0, length_m=200.0),
     )

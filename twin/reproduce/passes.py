@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin import truth
+from twin.errors import BadInput
 from twin.machine.build import Machine, build
 from twin.machine.driver import FULL_DEPTH
 from twin.machine.simulate import simulate
@@ -62,6 +63,8 @@ def measure(machine: Machine, table: Table) -> Pass:
     """Measure a pass from its truth."""
     travelled = np.cumsum(table["speed_mps"]) * truth.PERIOD_NS * 1e-9
     start = travelled[np.argmax(table["ploughing"])] + SETTLING_M
+    if start >= travelled[-1]:
+        raise BadInput(f"{machine.scenario.name}, seed {machine.scenario.seed}: it hardly ploughed")
     part = {name: column[travelled >= start] for name, column in table.items()}
     speed, draft = part["speed_mps"], part["draft_n"]
     track_m = 2.0 * float(machine.model.body("rl_wheel").pos[1])
