@@ -109,10 +109,11 @@ def write_axle(
     row.speed_mps, row.wheel_speed_mps = ground, wheel
     row.slip, row.slip_sd = slip_and_sd(wheel, ground, wheel_var, ground_var, 0.0)
     v_y = signal.v_y_held_mps
-    row.v_y_mps = v_y
+    v_y_cg = v_y + nominal.cg_x_m * signal.yaw_rate_radps
+    row.v_y_mps = v_y_cg
     row.sideslip_m, row.sideslip_rear_m = signal.sideslip_m, signal.sideslip_rear_m
     row.sideslip_sd_m = signal.sideslip_sd_m
     if abs(ground) >= SLOW_MPS:
         row.sideslip_rear_rad = math.atan2(v_y, ground)
-        row.sideslip_rad = math.atan2(v_y + nominal.cg_x_m * signal.yaw_rate_radps, ground)
+        row.sideslip_rad = math.atan2(v_y_cg, ground)
         row.sideslip_sd_rad = signal.v_y_held_sd_mps / abs(ground)

@@ -122,6 +122,7 @@ def _read(
         signal.yaw_rate_radps = memory.yaw_rate_radps
         signal.v_y_held_mps = memory.v_y_mps
         signal.v_y_held_sd_mps = memory.v_y_sd_mps
-        signal.sideslip_m = memory.sideslip_m
-        signal.sideslip_rear_m = memory.sideslip_rear_m
-        signal.sideslip_sd_m = np.sqrt(memory.sideslip_var_m2)
+        known = memory.sideslip_var_m2 > 0.0  # some lateral velocity has been integrated
+        signal.sideslip_m = memory.sideslip_m if known else np.nan
+        signal.sideslip_rear_m = memory.sideslip_rear_m if known else np.nan
+        signal.sideslip_sd_m = np.sqrt(memory.sideslip_var_m2) if known else np.nan

@@ -63,8 +63,8 @@ ESTIMATES = (
     "sideslip_rad", "sideslip_sd_rad", "v_y_mps", "sideslip_m", "sideslip_sd_m",
     "sideslip_rear_rad", "sideslip_rear_m", "flags",
 )  # fmt: skip
-"""Columns of an estimate. Speeds are at the rear-axle centre; `sideslip_*` without `rear` is at the
-tractor's centre of gravity. An estimator gives `epoch_ns` and the columns it knows."""
+"""Columns of an estimate. Speeds are at the rear-axle centre; `v_y_mps` and `sideslip_*` without `rear`
+are at the tractor's centre of gravity. An estimator gives `epoch_ns` and the columns it knows."""
 
 
 @dataclass(frozen=True, kw_only=True)

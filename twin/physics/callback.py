@@ -36,7 +36,7 @@ from twin.physics.engine import (
     parasitic_torque_nm,
     radps_to_rpm,
 )
-from twin.physics.ground import field_axis, on_ground, roughness, soil_at
+from twin.physics.ground import field_axis, on_ground, roughness
 from twin.physics.plough import (
     depth_wheel_force,
     draft_factor,
@@ -181,7 +181,6 @@ def pull_plough(
     passive: Array,
     slots: Array,
     powers: Array,
-    here: Array,
 ) -> None:
     """Soil forces on the plough's bodies and its depth wheel.
 
@@ -217,7 +216,6 @@ def pull_plough(
         if above >= 0.0:
             continue
         velocity = rigid.point_velocity(cvel, com, frame, root, tip)
-        soil_at(field, soil, s, t, here)
         draft = draft_n(plough, soil, -above, math.sqrt(rigid.dot(velocity, velocity)))
         draft *= draft_factor(field, soil, s, t, -above)
         draft = max(0.0, draft - relief) + rock_n(field, soil, s, t, i)
@@ -261,6 +259,8 @@ def ground_forces(model: Any, data: Any) -> None:
     for w in range(4):
         wheel = parameters[WHEEL + w * WHEEL_SIZE : WHEEL + (w + 1) * WHEEL_SIZE]
         body = int(wheel[Wheel.BODY])
+        if body < 0:
+            continue
         root = memory.ints(model, BODY_ROOTID)[body]
         force, torque = roll_wheel(
             parameters[FIELD:SOIL], parameters[SOIL:WHEEL], wheel, xpos, xmat, cvel, com, root,
@@ -271,10 +271,11 @@ def ground_forces(model: Any, data: Any) -> None:
             force, torque,
         )  # fmt: skip
     machine = slots[MACHINE_SLOTS:POWER_SLOTS]
-    drive(parameters, qvel, act, ctrl, passive, dt_s, machine, rates, powers)
+    if parameters[ENGINE + Engine.SHAFT] >= 0.0:
+        drive(parameters, qvel, act, ctrl, passive, dt_s, machine, rates, powers)
     if parameters[Head.PLOUGH_BODY] >= 0.0:
         pull_plough(
-            model, parameters, xpos, xmat, cvel, com, cdof, parent, passive, machine, powers, here
+            model, parameters, xpos, xmat, cvel, com, cdof, parent, passive, machine, powers
         )
     damper = memory.doubles(data, QFRC_DAMPER)
     for j in range(nv):

@@ -73,8 +73,9 @@ def histogram(truth: Table, estimates: Estimates, window: tuple[float, float]) -
     def draw(axes: Axes) -> None:
         for name, colour in colours(estimates).items():
             if len(errors.get(name, [])):
-                share, _ = np.histogram(100.0 * errors[name], edges, density=True)
-                axes.stairs(share, edges, color=colour, label=name, lw=1.3)
+                counts, _ = np.histogram(100.0 * errors[name], edges)
+                density = counts / (len(errors[name]) * (edges[1] - edges[0]))
+                axes.stairs(density, edges, color=colour, label=name, lw=1.3)
         axes.axvline(0.0, color=TRUTH_COLOUR, lw=0.8)
         axes.set(xlabel="estimate - truth [% slip]", ylabel="density")
 
