@@ -24,10 +24,25 @@ R = TypeVar("R")
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """The function as `numba.njit` compiles it at its first call, kept between processes."""
+    return _njit(function, forceinline=False)
+
+
+def inlined(function: Callable[P, R]) -> Callable[P, R]:
+    """`compiled`, and always inlined: for what takes a compiled function as an argument.
+
+    An argument that is a function is an address of this process, and its caller could not be kept
+    between processes; inlined, the address vanishes.
+    """
+    return _njit(function, forceinline=True)
+
+
+def _njit(function: Callable[P, R], forceinline: bool) -> Callable[P, R]:
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(cache_folder())
     try:
-        compiled_function: Callable[P, R] = numba.njit(cache=True)(function)
+        compiled_function: Callable[P, R] = numba.njit(cache=True, forceinline=forceinline)(
+            function
+        )
     finally:
         numba.config.CACHE_DIR = before
     return compiled_function

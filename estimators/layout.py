@@ -77,6 +77,7 @@ SIGNALS = np.dtype(
         ("one_driven_speed", "i8"),
         ("one_towed_speed", "i8"),
         ("yaw_rate_radps", "f8"),
+        ("pitch_rate_radps", "f8"),
         ("v_y_held_mps", "f8"),
         ("v_y_held_sd_mps", "f8"),
         ("sideslip_m", "f8"),

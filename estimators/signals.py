@@ -20,6 +20,7 @@ from estimators.kalman import Record
 from estimators.layout import (
     GNSS,
     GNSS_COLUMNS,
+    HISTORY,
     IMU,
     IMU_COLUMNS,
     MEMORY,
@@ -120,6 +121,7 @@ def _read(
         elif sensor == WHEELS:
             wheel_speed.read(wheels[rows[i]], epoch_ns, nominal, memory, signal)
         signal.yaw_rate_radps = memory.yaw_rate_radps
+        signal.pitch_rate_radps = memory.history[memory.imu_samples % HISTORY, 1]
         signal.v_y_held_mps = memory.v_y_mps
         signal.v_y_held_sd_mps = memory.v_y_sd_mps
         known = memory.sideslip_var_m2 > 0.0  # some lateral velocity has been integrated

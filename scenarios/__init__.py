@@ -11,6 +11,13 @@ REGISTRY: dict[str, str] = {
     "plough-rock": "scenarios.plough:ROCK",
     "plough-slip-patch": "scenarios.plough:SLIP_PATCH",
     "slope-8-taishan": "scenarios.slope:TAISHAN_8",
+    **{f"slope-{slope}-dry": f"scenarios.slope:DRY_{slope}" for slope in (6, 9, 12, 18)},
+    **{f"slope-{slope}-wet": f"scenarios.slope:WET_{slope}" for slope in (9, 18)},
+    **{
+        f"slope-{slope}-{soil}-masked": f"scenarios.slope:{soil.upper()}_{slope}_MASKED"
+        for slope in (9, 18)
+        for soil in ("dry", "wet")
+    },
     **{
         f"road-{surface}-{kmh}kmh": f"scenarios.road:{surface.upper()}_{kmh}"
         for surface in ("asphalt", "gravel", "grass")

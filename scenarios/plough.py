@@ -49,6 +49,6 @@ SLIP_PATCH = replace(
         patches=(
             Patch(start_m=80.0, length_m=10.0, friction_factor=0.85),
             Patch(start_m=140.0, length_m=10.0, friction_factor=0.85),
-        )
+        ),
     ),
 )

@@ -19,6 +19,11 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "run": ("twin.commands.run", "NAME: simulate a scenario, estimate, score, write a run folder"),
     "estimate": ("twin.commands.estimate", "LOG: run the estimators on a recorded drive"),
     "reproduce": ("twin.commands.reproduce", "PAPER: published figures and ours side by side"),
+    "rig": ("twin.commands.rig", "wheel | drawbar | slope | park: a test rig, its CSV and figure"),
+    "compare-controllers": (
+        "twin.commands.compare_controllers",
+        "slip controllers and saved policies on the same held-out grounds",
+    ),
     "view": ("twin.commands.view", "DIR: open the recording of a run folder"),
     "bench": ("twin.commands.bench", "measure speed and memory on this machine"),
 }

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import importlib
-import os
-import sys
 from collections.abc import Mapping
 from typing import Any
 
 from twin.errors import BadInput, UnknownName
+from twin.lookup import attribute, line
 
 PACKAGES = {"scenario": "scenarios", "estimator": "estimators"}
 """Kind of thing -> the package whose `REGISTRY` maps its names to "module:Attribute"."""
@@ -35,8 +34,7 @@ def load(kind: str, spec: str) -> Any:
         if spec not in known:
             raise UnknownName(kind, spec, known)
         spec = known[spec]
-    module, _, attribute = spec.partition(":")
-    found = _attribute(kind, spec, _module(kind, spec, module), attribute)
+    found = attribute(kind, spec)
     return _estimator(spec, found) if kind == "estimator" else found
 
 
@@ -47,37 +45,12 @@ def _registry(kind: str) -> Mapping[str, str]:
     return registry
 
 
-def _module(kind: str, spec: str, module: str) -> Any:
-    if os.getcwd() not in sys.path:
-        sys.path.append(os.getcwd())
-    importlib.invalidate_caches()
-    try:
-        return importlib.import_module(module)
-    except ModuleNotFoundError as error:
-        if error.name and (module == error.name or module.startswith(error.name + ".")):
-            raise BadInput(f"{kind} '{spec}': there is no module '{error.name}'") from None
-        raise BadInput(f"{kind} '{spec}': {module} cannot be imported: {error}") from None
-    except Exception as error:  # whatever a user's module raises while it is imported
-        raise BadInput(f"{kind} '{spec}': {module} cannot be imported: {_line(error)}") from None
-
-
-def _attribute(kind: str, spec: str, module: Any, attribute: str) -> Any:
-    found = module
-    for part in attribute.split(".") if attribute else ():
-        if not hasattr(found, part):
-            public = [n for n in dir(found) if not n.startswith("_")]
-            missing = UnknownName(f"attribute of {module.__name__}", part, public)
-            raise BadInput(f"{kind} '{spec}': {missing}") from None
-        found = getattr(found, part)
-    return found
-
-
 def _estimator(spec: str, found: Any) -> Any:
     if isinstance(found, type):
         try:
             found = found()
         except Exception as error:  # whatever a user's constructor raises
-            raise BadInput(f"estimator '{spec}' cannot be made: {_line(error)}") from None
+            raise BadInput(f"estimator '{spec}' cannot be made: {line(error)}") from None
     lacking = [name for name in ("init", "run") if not callable(getattr(found, name, None))]
     if lacking:
         raise BadInput(
@@ -85,8 +58,3 @@ def _estimator(spec: str, found: Any) -> Any:
             "it needs init(setup) -> state and run(state, chunk) -> (state, estimates)"
         )
     return found
-
-
-def _line(error: BaseException) -> str:
-    first = (str(error).splitlines() or [""])[0]
-    return f"{type(error).__name__}: {first}" if first else type(error).__name__

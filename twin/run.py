@@ -77,6 +77,8 @@ def _ended(machine: Machine, true: Table) -> str:
     course, plough = machine.scenario.course, machine.scenario.plough
     place_w = np.array([true[name][-1] for name in ("east_m", "north_m", "up_m")])
     along_m = float(place_w @ machine.world_from_ground[:, 0])
+    if course.edge_m is not None:
+        return "course driven"  # to the platform's side or to its end
     if along_m < course.approach_m + course.length_m - 1.0:
         return f"stalled {along_m:.1f} m along the course"
     if plough is not None and not true["ploughing"].any():

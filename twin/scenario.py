@@ -6,13 +6,18 @@ Every field can be overridden by name.
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
+from typing import Any
 
-from twin.errors import OutOfRange, UnknownName, check_range
+from twin.errors import BadInput, OutOfRange, UnknownName, check_range
 from twin.sensors import Sensors
-from twin.soils import LAWS, PRESETS, Preset
+from twin.soils import LAWS, PRESETS, Deformable, Preset
 
-MACHINES = {"taishan_1404a": "103 kW two-wheel-drive tractor, 5260 kg, with a four-furrow plough"}
+MACHINES = {
+    "taishan_1404a": "103 kW two-wheel-drive tractor, 5260 kg, with a four-furrow plough",
+    "electric_tractor": "1 kW rear-wheel-drive electric tractor, 115 kg, without implement",
+}
 
 
 FURROW_SIDES = {"right": -1, "none": 0, "left": 1}
@@ -21,6 +26,25 @@ ROUGHNESS = {"smooth": 0.0, **{c: 16e-6 * 4.0**i for i, c in enumerate("ABCDEF")
 """G_d(n0) at n0 = 0.1 cycles/m [m3]: geometric means of ISO 8608's classes."""
 MOST_PATCHES = 4
 STEPS_S = (0.0005, 0.001, 0.002)
+DEFORMABLE_RANGES = {
+    "k_c_kn_per_m_n1": (0.0, 1000.0),
+    "k_phi_kn_per_m_n2": (10.0, 1e5),
+    "sinkage_exponent": (0.1, 1.6),
+    "cohesion_kpa": (0.0, 150.0),
+    "friction_angle_deg": (0.0, 50.0),
+    "shear_modulus_m": (0.002, 0.2),
+    "lateral_shear_ratio": (0.2, 5.0),
+    "unit_weight_knpm3": (0.0, 25.0),
+    "stress_peak": (0.0, 0.8),
+    "stress_peak_slip": (0.0, 0.5),
+}
+"""Ranges of what Bekker's law needs, somewhat wider than Wong's tables."""
+LEAST_BORNE_KPA = 20.0
+"""Pressure at 0.1 m sinkage a wheel needs [kPa]; the softest of Wong's soils has 27."""
+BORNE_PER_COHESION = 3.0
+"""That pressure over the cohesion, at least [-]; 5.1 for a strip on clay (Prandtl)."""
+NEEDED = tuple(DEFORMABLE_RANGES)[:6]
+"""What of it has no general value."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +54,7 @@ class Soil:
     preset: str = "firm"
     """One of twin.soils.PRESETS."""
     law: str = "brixius"
-    """Tyre-soil law."""
+    """Tyre-soil law: brixius, bekker, or your own as module:function."""
     friction: float | None = None
     """Ceiling of the gross traction ratio [-]; 0.88 in Brixius."""
     cone_index_kpa: float | None = None
@@ -49,15 +73,51 @@ class Soil:
     """How many rocks lie in the plough's way."""
     rock_kn: float = 15.0
     """Extra draft of a rock at its peak [kN]."""
+    k_c_kn_per_m_n1: float | None = None
+    """Bekker's cohesive modulus of deformation [kN/m**(n + 1)]; LETE sand 102."""
+    k_phi_kn_per_m_n2: float | None = None
+    """Bekker's frictional modulus of deformation [kN/m**(n + 2)]; LETE sand 5301."""
+    sinkage_exponent: float | None = None
+    """Bekker's exponent n of the sinkage [-]; LETE sand 0.793."""
+    cohesion_kpa: float | None = None
+    """Cohesion c in Bekker's law [kPa]; LETE sand 1.3."""
+    friction_angle_deg: float | None = None
+    """Angle of internal friction phi in Bekker's law [deg]; LETE sand 31.1."""
+    shear_modulus_m: float | None = None
+    """Janosi's shear deformation modulus K in Bekker's law [m]; LETE sand 0.012."""
+    lateral_shear_ratio: float | None = None
+    """K across the wheel over K along it [-]."""
+    unit_weight_knpm3: float | None = None
+    """Unit weight of the soil a sideslipping wheel pushes aside, in Bekker's law [kN/m3]."""
+    stress_peak: float | None = None
+    """c_1 in theta_m = (c_1 + c_2 |s|) theta_1, the place of the greatest normal stress [-]."""
+    stress_peak_slip: float | None = None
+    """c_2 in it [-]; with both 0 the stress is Bekker's, greatest under the hub."""
 
     def __post_init__(self) -> None:
         if self.preset not in PRESETS:
             raise UnknownName("soil preset", self.preset, PRESETS)
-        if self.law not in LAWS:
+        if self.law not in LAWS and ":" not in self.law:
             raise UnknownName("soil law", self.law, LAWS)
         resolved = self.resolved()
         check_range("soil.friction", resolved.friction, 0.05, 1.5)
-        check_range("soil.cone_index_kpa", resolved.cone_index_kpa, 50.0, 5000.0)
+        if self.cone_index_kpa is not None or not math.isnan(resolved.cone_index_kpa):
+            check_range("soil.cone_index_kpa", resolved.cone_index_kpa, 50.0, 5000.0)
+        elif self.law == "brixius":
+            raise BadInput(
+                f"soil preset '{self.preset}' has no cone index, which Brixius' law needs; "
+                "set soil.cone_index_kpa, or soil.law to bekker"
+            )
+        if resolved.deformable is not None:
+            for name, (low, high) in DEFORMABLE_RANGES.items():
+                check_range(f"soil.{name}", getattr(resolved.deformable, name), low, high)
+            if self.law == "bekker":
+                _check_bearing(resolved.deformable)
+        elif self.law == "bekker":
+            raise BadInput(
+                f"soil preset '{self.preset}' has no numbers for Bekker's law; another preset, "
+                f"or all of soil.{', soil.'.join(NEEDED)}, would do"
+            )
         check_range("soil.draft_scale", resolved.draft_scale, 0.0, 2.0)
         check_range("soil.draft_cv", self.draft_cv, 0.0, 0.5)
         check_range("soil.draft_length_m", self.draft_length_m, 0.2, 100.0)
@@ -68,12 +128,33 @@ class Soil:
 
     def resolved(self) -> Preset:
         """The preset with this soil's own numbers in place."""
-        own = {
-            name: value
-            for name in ("friction", "cone_index_kpa", "draft_scale", "strength_cv")
-            if (value := getattr(self, name)) is not None
-        }
-        return dataclasses.replace(PRESETS[self.preset], **own)
+        preset = PRESETS[self.preset]
+        own = self._given("friction", "cone_index_kpa", "draft_scale", "strength_cv")
+        return dataclasses.replace(preset, **own, deformable=self._deformable(preset.deformable))
+
+    def _deformable(self, preset: Deformable | None) -> Deformable | None:
+        own = self._given(*DEFORMABLE_RANGES)
+        if preset is not None:
+            return dataclasses.replace(preset, **own)
+        return Deformable(**own) if own.keys() >= set(NEEDED) else None
+
+    def _given(self, *names: str) -> dict[str, Any]:
+        """The named fields that are not None."""
+        return {n: value for n in names if (value := getattr(self, n)) is not None}
+
+
+def _check_bearing(soil: Deformable) -> None:
+    """Refuse a soil that bears less than a wheel needs, or than its own cohesion lets it bear."""
+    borne_kpa = soil.k_phi_kn_per_m_n2 * 0.1**soil.sinkage_exponent
+    least_kpa = max(LEAST_BORNE_KPA, BORNE_PER_COHESION * soil.cohesion_kpa)
+    if borne_kpa < least_kpa:
+        raise OutOfRange(
+            "soil.k_phi_kn_per_m_n2",
+            f"{soil.k_phi_kn_per_m_n2:g}",
+            f"what this soil can have: at soil.sinkage_exponent {soil.sinkage_exponent:g} it bears "
+            f"{borne_kpa:.3g} kPa at 0.1 m, and with soil.cohesion_kpa {soil.cohesion_kpa:g} at "
+            f"least {least_kpa:.3g} kPa would do",
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,7 +236,7 @@ class Drive:
 
     def __post_init__(self) -> None:
         check_range("drive.gear_ratio", self.gear_ratio, 15.0, 300.0)
-        check_range("drive.engine_set_rpm", self.engine_set_rpm, 900.0, 2400.0)
+        check_range("drive.engine_set_rpm", self.engine_set_rpm, 300.0, 3000.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,9 +252,18 @@ class Course:
     """Length of the scored part; with a plough, the ploughed length [m]."""
     heading_deg: float = 0.0
     """Direction of the line, counter-clockwise from east [deg]."""
+    start_left_m: float = 0.0
+    """Where the rear axle starts, left of the line [m]."""
+    hold_line: bool = True
+    """Steer along the line; if not, the wheels point straight ahead and the heading is free."""
+    edge_m: float | None = None
+    """The run ends when a corner of the machine is so far beside the line [m]; None for a field."""
 
     def __post_init__(self) -> None:
-        check_range("course.approach_m", self.approach_m, 1.0, 500.0)
+        check_range("course.approach_m", self.approach_m, 0.0, 500.0)
+        check_range("course.start_left_m", self.start_left_m, -50.0, 50.0)
+        if self.edge_m is not None:
+            check_range("course.edge_m", self.edge_m, 0.5, 100.0)
         check_range("course.length_m", self.length_m, 1.0, 5000.0)
         check_range("course.heading_deg", self.heading_deg, -180.0, 180.0)
 
@@ -198,6 +288,12 @@ class Scenario:
     def __post_init__(self) -> None:
         if self.machine not in MACHINES:
             raise UnknownName("machine", self.machine, MACHINES)
+        if self.machine == "electric_tractor" and self.plough is not None:
+            raise BadInput("machine = electric_tractor has no hitch for a plough")
+        if self.machine == "taishan_1404a":
+            check_range("drive.engine_set_rpm", self.drive.engine_set_rpm, 900.0, 2400.0)
+            if self.course.edge_m is not None:
+                raise BadInput("course.edge_m is for the electric_tractor; a field has no edge")
         if self.timestep_s not in STEPS_S:
             raise OutOfRange("timestep_s", self.timestep_s, f"the choices {STEPS_S}")
         if not 0 <= self.seed < 2**31:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -21,6 +22,9 @@ from twin.errors import BadInput
 
 Table = dict[str, NDArray[Any]]
 """One sensor's samples: column name -> array of shape (n,), in order of arrival."""
+
+Frames = Mapping[int, NDArray[np.uint8]]
+"""Frames of a camera by number: grey of shape (height, width), or colour (height, width, 3)."""
 
 WHEELS = ("fl", "fr", "rl", "rr")
 """Front left, front right, rear left, rear right."""
@@ -48,13 +52,14 @@ COLUMNS: dict[str, tuple[str, ...]] = {
         "steer_rad", "hitch_m", "draft_pin_n", "axle_torque_nm",
         "engine_radps", "engine_load", "fuel_lph",
     ),
-    "camera": (),
+    "camera": ("frame",),
 }  # fmt: skip
 """Columns each sensor may have beside its stamps.
 
 `quality` is NMEA GGA's (4 fixed, 5 float, 1 single, 0 none); `ticks_*` are cumulative int64;
 `speed_*_mps` are the theoretical speed w R of a source that gives no ticks (a single wheel-based
-vehicle speed stands in both driven wheels). The order of the sensors is the order in which samples
+vehicle speed stands in both driven wheels); `frame` is the number of a camera's frame, int64, under
+which `Streams.frames` has it. The order of the sensors is the order in which samples
 that arrive at the same instant are handed on.
 """
 
@@ -63,8 +68,9 @@ ESTIMATES = (
     "sideslip_rad", "sideslip_sd_rad", "v_y_mps", "sideslip_m", "sideslip_sd_m",
     "sideslip_rear_rad", "sideslip_rear_m", "flags",
 )  # fmt: skip
-"""Columns of an estimate. Speeds are at the rear-axle centre; `v_y_mps` and `sideslip_*` without `rear`
-are at the tractor's centre of gravity. An estimator gives `epoch_ns` and the columns it knows."""
+"""Columns of an estimate. Speeds are at the rear-axle centre; `v_y_mps` and `sideslip_*` without
+`rear` are at the tractor's centre of gravity. An estimator gives `epoch_ns` and the columns it
+knows."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,6 +120,21 @@ class DepthSetup:
 
 
 @dataclass(frozen=True, kw_only=True)
+class CameraSetup:
+    """A camera that looks straight down, nominally; forward is at the top of the picture."""
+
+    rate_hz: float
+    width_px: int
+    height_px: int
+    focal_px: float
+    """Focal length; the principal point is the middle of the picture."""
+    lever_arm_m: tuple[float, float, float]
+    """Optical centre, body axes, from the rear-axle centre."""
+    height_m: float
+    """Optical centre above level ground, the machine at rest."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Setup:
     """All an estimator is told beside the streams. Nominal values only, never a true one."""
 
@@ -130,6 +151,7 @@ class Setup:
     gnss: GnssSetup | None = None
     imu: ImuSetup | None = None
     depth: DepthSetup | None = None
+    camera: CameraSetup | None = None
 
     def to_json(self) -> str:
         """The set-up as JSON text."""
@@ -145,6 +167,7 @@ class Setup:
                 "gnss": GnssSetup,
                 "imu": ImuSetup,
                 "depth": DepthSetup,
+                "camera": CameraSetup,
             }
             for name, block in blocks.items():
                 if raw.get(name) is not None:
@@ -163,6 +186,8 @@ class Streams:
     """The samples of all sensors of a run, or of a part of it."""
 
     tables: Mapping[str, Table] = field(default_factory=dict)
+    frames: Frames | None = None
+    """The camera's frames by number, read or drawn when asked for; a lost one is missing."""
 
     def __contains__(self, sensor: object) -> bool:
         return sensor in self.tables
@@ -206,7 +231,7 @@ class Streams:
             if name in self.tables:
                 rows = row[start:stop][sensor[start:stop] == i]
                 chosen[name] = {k: v[rows] for k, v in self.tables[name].items()}
-        return Streams(chosen)
+        return Streams(chosen, self.frames)
 
     def chunks(self, size: int) -> Iterator[Streams]:
         """The samples in merge order, `size` at a time."""
@@ -217,15 +242,23 @@ class Streams:
 def concatenate(parts: Iterable[Streams]) -> Streams:
     """One stream from consecutive parts."""
     tables: dict[str, list[Table]] = {}
+    frames: list[Frames] = []
     for part in parts:
         for name, table in part.tables.items():
             tables.setdefault(name, []).append(table)
-    return Streams(
-        {
-            name: {c: np.concatenate([t[c] for t in pieces]) for c in pieces[0]}
-            for name, pieces in tables.items()
-        }
-    )
+        if part.frames is not None and not any(part.frames is known for known in frames):
+            frames.append(part.frames)
+    joined = {
+        name: {c: np.concatenate([t[c] for t in pieces]) for c in pieces[0]}
+        for name, pieces in tables.items()
+    }
+    return Streams(joined, _chained(frames))
+
+
+def _chained(frames: list[Frames]) -> Frames | None:
+    if len(frames) < 2:
+        return frames[0] if frames else None
+    return ChainMap(*frames)  # type: ignore[arg-type]  # only read
 
 
 def check(streams: Streams) -> None:

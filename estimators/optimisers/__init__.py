@@ -6,8 +6,8 @@ Each module here has one function
 
 `function(x, given)` is the value at x, shape (n,); `given` is whatever else it needs, handed on as
 it is. `low` and `high`, (n,), are the box: no x outside it is ever evaluated. `budget` is the most
-evaluations; what does not fill a whole iteration is left. `rng` is a `numpy.random.Generator`: the
-same generator state gives the same bits.
+evaluations; what does not fill a whole iteration is left. `rng` is a state of
+`chance`, changed in place: the same state gives the same bits.
 
 `pso`, `mayfly` and `improved_mayfly` are compiled; the function must be too, and they may be called
 from compiled code. `comparator` takes any function.

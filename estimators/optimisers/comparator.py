@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.random import Generator
 
+from estimators.optimisers.chance import State
 from estimators.optimisers.population import Array, Function, Result
 
 POPULATION = 40
 
 
 def minimise(
-    function: Function, low: Array, high: Array, budget: int, rng: Generator, given: Any = ()
+    function: Function, low: Array, high: Array, budget: int, rng: State, given: Any = ()
 ) -> Result:
     """Minimise by differential evolution, best/1/bin with dither, as scipy has it by default.
 
@@ -29,6 +29,8 @@ def minimise(
     """
     from scipy.optimize import differential_evolution  # late: slow to import
 
+    generator = np.random.default_rng([int(word) for word in rng])
+    rng[:] = generator.integers(1, 2**64, size=4, dtype=np.uint64)
     history: list[float] = []
     best = np.inf
 
@@ -44,10 +46,10 @@ def minimise(
         value_at,
         list(zip(low, high, strict=True)),
         maxiter=max(budget // POPULATION - 1, 0),
-        init=low + rng.random((POPULATION, len(low))) * (high - low),
+        init=low + generator.random((POPULATION, len(low))) * (high - low),
         polish=False,
         tol=0.0,
-        rng=rng,
+        rng=generator,
     )
     by_iteration = np.array(history)[POPULATION - 1 :: POPULATION]
     return Result(np.asarray(found.x), float(found.fun), len(history), by_iteration)

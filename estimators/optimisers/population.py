@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.random import Generator
 from numpy.typing import NDArray
 
-from estimators.compiled import compiled
+from estimators.compiled import compiled, inlined
+from estimators.optimisers.chance import State, uniform
 
 Array = NDArray[np.float64]
 Function = Callable[[Array, Any], float]
@@ -44,7 +44,7 @@ def nowhere(n: int) -> Best:
     return Best(np.full(n, 0.5), np.full(1, np.inf))
 
 
-@compiled
+@inlined
 def evaluate(
     function: Function, u: Array, low: Array, high: Array, given: Any, x: Array, best: Best
 ) -> float:
@@ -86,12 +86,12 @@ def move(u: Array, velocity: Array, limit: float) -> None:
 
 
 @compiled
-def random_points(count: int, n: int, rng: Generator) -> Array:
+def random_points(count: int, n: int, rng: State) -> Array:
     """Uniform random points of the unit cube, (count, n)."""
     points = np.empty((count, n))
     for i in range(count):
         for k in range(n):
-            points[i, k] = rng.random()
+            points[i, k] = uniform(rng)
     return points
 
 

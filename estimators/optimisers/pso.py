@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.random import Generator
 
-from estimators.compiled import compiled
+from estimators.compiled import compiled, inlined
+from estimators.optimisers.chance import State, uniform
 from estimators.optimisers.population import (
     Array,
     Function,
@@ -26,9 +26,9 @@ LIMIT = 0.5
 """Largest velocity, of the box's width: half of it (Eberhart and Shi 2000 limit to its whole)."""
 
 
-@compiled
+@inlined
 def minimise(
-    function: Function, low: Array, high: Array, budget: int, rng: Generator, given: Any = ()
+    function: Function, low: Array, high: Array, budget: int, rng: State, given: Any = ()
 ) -> Result:
     """Minimise by a particle swarm with a global best.
 
@@ -61,8 +61,8 @@ def minimise(
             for k in range(n):
                 v[i, k] = (
                     INERTIA * v[i, k]
-                    + COGNITIVE * rng.random() * (own[i, k] - u[i, k])
-                    + SOCIAL * rng.random() * (best.u[k] - u[i, k])
+                    + COGNITIVE * uniform(rng) * (own[i, k] - u[i, k])
+                    + SOCIAL * uniform(rng) * (best.u[k] - u[i, k])
                 )
             move(u[i], v[i], LIMIT)
             value = evaluate(function, u[i], low, high, given, x, best)

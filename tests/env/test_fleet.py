@@ -1,5 +1,6 @@
 """The physics behind the environments: the same numbers as elsewhere, side by side or alone."""
 
+import math
 import time
 from dataclasses import replace
 
@@ -8,10 +9,11 @@ import numpy as np
 import pytest
 
 from twin import registry, sensors, truth
-from twin.env import grounds, reward
-from twin.env.fleet import APPROACH_S, Fleet, depth_set_m, governor, lift_rad
+from twin.env import grounds, reward, starts
+from twin.env.fleet import Fleet, depth_set_m, governor, lift_rad
 from twin.env.instruments import Instruments
 from twin.env.quantities import powers
+from twin.env.starts import APPROACH_S
 from twin.machine.build import build
 from twin.machine.columns import Recorder
 from twin.machine.geometry import geometry
@@ -20,25 +22,26 @@ from twin.physics import block
 from twin.streams import concatenate
 
 ACTION = np.array([[0.2, 0.5]])
+LEVEL = grounds.lies(0.25)[:1]
 
 
 @pytest.fixture(scope="module")
 def machine(environments):
-    return environments["truth"].fleet.machine
+    return environments["truth"].episodes.fleet.machine
 
 
 @pytest.fixture(scope="module")
 def begin(environments):
-    return environments["truth"].start
+    return environments["estimate"].episodes.starts.of(LEVEL)[0]
 
 
 def ground(seed):
-    return grounds.draw(np.random.default_rng(seed), {})
+    return grounds.draw(np.random.default_rng(seed), {}, LEVEL)
 
 
 def test_truth_is_that_of_the_scores(machine, begin):
     fleet, recorder = Fleet(machine), Recorder(machine)
-    fleet.restore([0], begin, [ground(1)])
+    fleet.restore([0], [begin] * 1, [ground(1)])
     fleet.drive(ACTION, record=True)
     records, seen = [], []
     for _ in range(150):
@@ -61,11 +64,11 @@ def test_side_by_side_is_alone_to_the_bit(machine, begin, nthread):
     seeds = (1, 2, 3)
     actions = np.random.default_rng(0).uniform(-1.0, 1.0, (60, 3, 2))
     together = Fleet(machine, nsim=3, nthread=nthread)
-    together.restore(range(3), begin, [ground(s) for s in seeds])
+    together.restore(range(3), [begin] * 3, [ground(s) for s in seeds])
     alone = []
     for seed in seeds:
         fleet = Fleet(machine)
-        fleet.restore([0], begin, [ground(seed)])
+        fleet.restore([0], [begin] * 1, [ground(seed)])
         alone.append(fleet)
     for action in actions:
         together.drive(action, record=False)
@@ -83,10 +86,10 @@ def test_a_part_put_back_leaves_the_others(machine, begin):
     fleet, other = Fleet(machine, nsim=2), Fleet(machine, nsim=2)
     both = np.repeat(ACTION, 2, axis=0)
     for f in (fleet, other):
-        f.restore([0, 1], begin, [ground(1), ground(2)])
+        f.restore([0, 1], [begin] * 2, [ground(1), ground(2)])
         for _ in range(20):
             f.drive(both, record=False)
-    fleet.restore([1], begin, [ground(3)])
+    fleet.restore([1], [begin] * 1, [ground(3)])
     for f in (fleet, other):
         f.drive(both, record=False)
     assert fleet.batch.state[0].tobytes() == other.batch.state[0].tobytes()
@@ -94,17 +97,53 @@ def test_a_part_put_back_leaves_the_others(machine, begin):
 
 
 def test_a_reset_patches_the_block_as_a_build_would_write_it(machine, begin):
-    fleet, drawn = Fleet(machine), ground(4)
-    fleet.restore([0], begin, [drawn])
-    scenario = replace(machine.scenario, soil=drawn.soil, seed=drawn.pattern_seed)
-    built = build(scenario).model.numeric_data[-block.SIZE :]
-    np.testing.assert_array_equal(fleet.blocks[0], built)
+    """Whatever is drawn, but for the origin, which no scenario has."""
+    options = {
+        "field.cross_slope_deg": 4.0,
+        "field.grade_deg": -2.0,
+        "field.furrow_depth_m": 0.25,
+        "field.patches": [(5.0, 3.0, 0.7, 0.8), (20.0, 4.0, 0.9, 0.6)],
+        "field.origin_m": (0.0, 0.0),
+    }
+    chosen = grounds.check_options(options)
+    fleet, drawn = Fleet(machine), grounds.draw(np.random.default_rng(4), chosen, LEVEL)
+    fleet.restore([0], [begin], [drawn])
+    patches = tuple(replace(p, start_m=begin.along_m + p.start_m) for p in drawn.patches)
+    field = replace(drawn.lie.field(), patches=patches)
+    scenario = replace(machine.scenario, soil=drawn.soil, seed=drawn.pattern_seed, field=field)
+    built = build(scenario)
+    np.testing.assert_array_equal(fleet.blocks[0], built.model.numeric_data[-block.SIZE :])
+    np.testing.assert_array_equal(fleet.world_from_ground[0], built.world_from_ground)
+    state = fleet.batch.get_data(0)
+    mujoco.mj_kinematics(fleet.batch.get_model(0), state)
+    np.testing.assert_allclose(  # what the body lands on when it rolls over lies as the field does
+        state.geom("ground").xmat.reshape(3, 3), built.world_from_ground, atol=1e-12
+    )
+
+
+def test_a_start_on_a_slope_is_settled_on_it(machine):
+    """The wheels carry the weight's normal part, and nothing changes any more."""
+    lie = grounds.Lie(cross_slope_deg=5.0, grade_deg=3.0)
+    begin = starts.settle(machine, [lie], seen=False)[0]
+    fleet = Fleet(machine)
+    level = {"field.origin_m": (0.0, 0.0), "field.patches": ()}
+    drawn = grounds.draw(np.random.default_rng(0), level, [lie])
+    fleet.restore([0], [begin], [drawn])
+    true = fleet.true()
+    load_n = sum(float(true[f"load_{w}_n"][0]) for w in ("fl", "fr", "rl", "rr"))
+    weight_n = 9.81 * machine.model.body_subtreemass[0]
+    tilt = math.cos(math.radians(5.0)) * math.cos(math.radians(3.0))
+    assert load_n == pytest.approx(weight_n * tilt, rel=0.02)
+    speed = true["speed_mps"][0]
+    for _ in range(50):
+        fleet.drive(np.array([[starts.start_throttle(machine), -1.0]]), record=False)
+    assert fleet.true()["speed_mps"][0] == pytest.approx(speed, abs=0.02)
 
 
 def test_instruments_see_what_a_whole_run_would(machine, begin):
     estimator = registry.load("estimator", "four-state")
     fleet, instruments = Fleet(machine), Instruments(machine, estimator)
-    fleet.restore([0], begin, [ground(5)])
+    fleet.restore([0], [begin] * 1, [ground(5)])
     instruments.begin(6, begin.approach)
     records = []
     for _ in range(100):
@@ -134,7 +173,7 @@ def test_instruments_see_what_a_whole_run_would(machine, begin):
 def test_the_approach_leads_to_the_start(machine, begin):
     assert len(begin.approach) == round(APPROACH_S / machine.model.opt.timestep)
     fleet = Fleet(machine)
-    fleet.restore([0], begin, [ground(7)])
+    fleet.restore([0], [begin] * 1, [ground(7)])
     last = begin.approach["position_w"][-1] + 0.002 * begin.approach["velocity_w"][-1]
     np.testing.assert_allclose(fleet.qpos[0, :3], last, atol=1e-6)
 
@@ -146,6 +185,7 @@ def test_actions_mean_what_the_table_says(machine):
     np.testing.assert_allclose(set_rpm, [900.0, 1638.0, 2376.0])
     np.testing.assert_allclose(depth_set_m(np.array([-1.0, 1.0])), [-0.10, 0.35])
     sole, axle = numbers["plough.sole_below_hitch_m"], machine.model.body("tractor").pos[2]
+    axle = axle - 0.5 * 0.25  # one side of the axle is down in the furrow
     for depth in (-0.10, 0.0, 0.25, 0.35):
         expected = machine.hitch.lift_rad_at(sole - depth, axle)
         assert lift_rad(machine, depth) == pytest.approx(expected, abs=1e-14)
@@ -170,7 +210,7 @@ def test_reward_terms_at_and_beside_their_targets():
         "axle_torque_nm": np.zeros(2),
         "axle_radps": np.zeros(2),
     }
-    terms = reward.terms(true, 1.4, 0.25, 0.12)
+    terms = reward.terms(true | powers(true), 1.4, 0.25, 0.12)
     np.testing.assert_allclose(terms["slip"], [0.25, 0.125])
     np.testing.assert_allclose(terms["depth"], [0.25, 0.125])
     np.testing.assert_allclose(terms["work"], [0.30, 0.0])
@@ -183,7 +223,10 @@ def test_truth_environment_is_a_quarter_as_fast_as_the_bare_physics(truth_env):
     truth_env.reset(seed=0)
     for _ in range(150):
         truth_env.step(action)
-    model, data = truth_env.fleet.batch.get_model(0), truth_env.fleet.batch.get_data(0)
+    model, data = (
+        truth_env.episodes.fleet.batch.get_model(0),
+        truth_env.episodes.fleet.batch.get_data(0),
+    )
 
     def turn(step):
         start = time.perf_counter()

@@ -1,5 +1,6 @@
 """Plough-v0 as Gymnasium sees it: checks, determinism, errors, ends, documentation."""
 
+import math
 import os
 import pickle
 import subprocess
@@ -11,11 +12,15 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 from twin.env import IDS, reward
+from twin.env.grounds import OPTIONS
 from twin.env.observations import ESTIMATE, MODES, SENSORS, TASK, TRUTH
 from twin.env.plough import PloughEnv
 from twin.errors import BadInput, OutOfRange, TwinError, UnknownName
 
-INFO = ("slip", "depth_m", "speed_mps", "draft_n", "work_rate_haph", "traction_efficiency")
+INFO = (
+    "slip", "depth_m", "speed_mps", "draft_n", "work_rate_haph", "traction_efficiency", "fuel_lph",
+)  # fmt: skip
+LEVEL = {"field.cross_slope_deg": 0.0, "field.grade_deg": 0.0, "field.furrow_depth_m": 0.25}
 STEADY = np.array([0.0, 0.5], dtype=np.float32)
 
 
@@ -58,7 +63,7 @@ def test_a_pickled_copy_gives_the_same_bits(env):
 def test_another_seed_is_another_field_and_other_noise(env):
     first, second = rolled(env, 5, 1), rolled(env, 6, 1)
     assert first[0][4] != second[0][4]
-    if env.instruments is not None:
+    if env.episodes.instruments:
         assert np.any(first[0][0] != second[0][0])
 
 
@@ -87,14 +92,15 @@ def test_reward_is_the_sum_of_its_terms_and_never_negative(truth_env):
 
 def test_ploughing_well_earns_more_than_not_ploughing(truth_env):
     def earned(hitch):
-        truth_env.reset(seed=9, options={"soil.preset": "firm"})
+        firm = {"soil.preset": "firm", "soil.friction": 0.88, "soil.cone_index_kpa": 1200.0}
+        truth_env.reset(seed=9, options=firm | LEVEL)
         return sum(truth_env.step(np.array([0.0, hitch]))[1] for _ in range(300))
 
-    assert earned(0.45) > 1.5 * earned(-1.0)
+    assert earned(0.3) > 1.5 * earned(-1.0)
 
 
 def test_it_starts_rolling_steadily_with_the_plough_in_the_air(truth_env):
-    observation, info = truth_env.reset(seed=10, options={"soil.preset": "firm"})
+    observation, info = truth_env.reset(seed=10, options={"soil.preset": "firm"} | LEVEL)
     speed = dict(zip([e.name for e in truth_env.entries], observation, strict=True))["speed_mps"]
     assert info["depth_m"] == 0.0
     still = np.array([observation[-4], -1.0])
@@ -102,6 +108,17 @@ def test_it_starts_rolling_steadily_with_the_plough_in_the_air(truth_env):
         *_, info = truth_env.step(still)
         assert info["depth_m"] == 0.0
         assert info["speed_mps"] == pytest.approx(speed, abs=0.005)
+
+
+def test_it_starts_in_the_last_furrow_and_ploughs_at_the_depth_it_is_set_for(truth_env):
+    """Rolled to the right by atan(depth / track) and the tyres' share; shares level in the soil."""
+    firm = {"soil.preset": "firm", "soil.friction": 0.88, "soil.cone_index_kpa": 1200.0}
+    truth_env.reset(seed=10, options=firm | LEVEL)
+    w, x, y, z = truth_env.episodes.fleet.world_from_body[0]
+    roll = math.degrees(math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)))
+    assert roll == pytest.approx(math.degrees(math.atan(0.25 / 1.8)), abs=1.5)
+    depths = [truth_env.step(np.array([0.0, 0.3]))[-1]["depth_m"] for _ in range(300)]
+    assert np.mean(depths[-150:]) == pytest.approx(0.25, abs=0.02)
 
 
 def test_first_observations_already_know_speed_and_slip(environments):
@@ -112,8 +129,8 @@ def test_first_observations_already_know_speed_and_slip(environments):
     assert seen["slip"] == pytest.approx(info["slip"], abs=0.05)
     observation, _ = environments["sensors"].reset(seed=11)
     seen = dict(zip([e.name for e in environments["sensors"].entries], observation, strict=True))
-    # 2.05 m/s on 0.85 m for 20 ms, of 4000 counts a turn
-    assert seen["wheels.ticks_rl"] == pytest.approx(2.05 / 0.849 / (2 * np.pi) * 80.0, abs=3.0)
+    # 2.09 m/s on 0.85 m for 20 ms, of 4000 counts a turn
+    assert seen["wheels.ticks_rl"] == pytest.approx(2.09 / 0.849 / (2 * np.pi) * 80.0, abs=3.0)
 
 
 def test_a_stall_ends_the_episode(truth_env):
@@ -172,6 +189,12 @@ def test_an_impossible_action_is_named_and_changes_nothing(truth_env, action, sa
         ({"soil.friction": float("nan")}, OutOfRange, "soil.friction = nan"),
         ({"soil.friction": "much"}, BadInput, "soil.friction = 'much' is not a number"),
         ({"soil.preset": 3}, BadInput, "soil.preset = 3 is not the name"),
+        ({"field.grade_deg": 40}, OutOfRange, r"field.grade_deg = 40 is outside \[-15, 15"),
+        ({"field.furrow_depth_m": 1}, OutOfRange, r"field.furrow_depth_m = 1 is outside"),
+        ({"field.patches": 3}, BadInput, "field.patches = 3 is not a list"),
+        ({"field.patches": [(1, 2)]}, BadInput, r"field.patches = \(1, 2\) is not 4 numbers"),
+        ({"field.patches": [(1, 2, 9, 1)]}, OutOfRange, "patch.friction_factor = 9 is outside"),
+        ({"field.origin_m": 3}, BadInput, "field.origin_m = 3 is not 2 numbers"),
     ],
 )
 def test_an_impossible_option_is_named_and_changes_nothing(truth_env, options, kind, said):
@@ -233,7 +256,7 @@ def test_the_docstring_tables_name_every_entry_with_its_bounds():
     found = [(r[0], float(r[1]), float(r[2])) for r in rows if len(r) == 5 and _is_number(r[1])]
     entries = [(e.name, e.low, e.high) for e in (*ESTIMATE, *SENSORS, *TRUTH, *TASK)]
     assert [row for row in found if not row[0].isdigit()] == entries
-    for name in (*reward.WEIGHTS, "soil.preset", *INFO):
+    for name in (*reward.WEIGHTS, *OPTIONS, *INFO):
         assert name in PloughEnv.__doc__
 
 

@@ -4,7 +4,7 @@ from scipy.linalg import expm
 
 from estimators.four_state import white_jerk
 from estimators.kalman import predict, slip_and_sd, update
-from estimators.parallel_kf import fuse
+from estimators.fusion import fuse
 
 RNG = np.random.default_rng(5)
 

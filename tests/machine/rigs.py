@@ -10,7 +10,7 @@ from twin.machine.build import build
 from twin.machine.simulate import Cab, simulate
 from twin.machine.start import RAISED_RAD
 from twin.physics.block import MACHINE_SLOTS, WheelSlot
-from twin.scenario import Course, Field, Plough, Scenario
+from twin.scenario import Course, Field, Plough, Scenario, Soil
 
 PLOUGHING = Scenario(
     name="test-plough",
@@ -19,6 +19,13 @@ PLOUGHING = Scenario(
     seed=4,
 )
 BARE = Scenario(name="test-bare", course=Course(approach_m=3.0, length_m=12.0))
+EVEN_SOIL = Soil(draft_cv=0.0, ripple_cv=0.0, strength_cv=0.0)
+EVEN = replace(BARE, soil=EVEN_SOIL)
+"""The tractor alone on soil that is the same everywhere."""
+EVEN_PLOUGHING = replace(PLOUGHING, soil=EVEN_SOIL, course=Course(approach_m=3.0, length_m=30.0))
+"""Even soil, in the furrow."""
+LEVEL_PLOUGHING = replace(EVEN_PLOUGHING, plough=Plough(depth_m=0.25, furrow="none"))
+"""Even soil, all wheels on the land."""
 
 
 def field(scenario, **shape):

@@ -12,7 +12,7 @@ from twin.machine.build import build
 from twin.machine.ground_frame import quaternion, world_from_ground
 from twin.physics import block
 from twin.physics.block import WheelSlot
-from twin.scenario import Course, Field
+from twin.scenario import Course, Field, Patch
 
 
 def stand(machine, seconds=3.0):
@@ -112,7 +112,8 @@ def test_the_block_says_what_the_scenario_asked():
 
 
 def test_wheels_touch_through_the_law_only_and_activations_fit_the_slots():
-    for machine in (bare_rig(), plough_rig()):
+    for scenario in (BARE, PLOUGHING):
+        machine = build(scenario, looks=True)  # without looks the tyres' shapes are left out
         model = machine.model
         for wheel in block.WHEELS:
             geom = model.geom(f"{wheel}_tyre")
@@ -120,3 +121,41 @@ def test_wheels_touch_through_the_law_only_and_activations_fit_the_slots():
         assert model.nuserdata >= block.RATE_SLOTS + model.na
         _, data = stand(machine, 0.2)
         assert data.ncon == 0
+        _, data = stand(build(scenario), 0.2)
+        assert data.ncon == 0
+
+
+@pytest.mark.parametrize(("side", "sign"), [("left", 1.0), ("none", 0.0), ("right", -1.0)])
+def test_the_block_says_where_the_furrow_is(side, sign):
+    machine = build(replace(PLOUGHING, plough=replace(PLOUGHING.plough, furrow=side)))
+    field = machine.model.numeric_data[-block.SIZE :][block.FIELD : block.SOIL]
+    assert field[block.Field.FURROW_SIDE] == sign
+    assert field[block.Field.FURROW_DEPTH_M] == 0.25
+    # its wall lies inside of the tyres: half the track less half a tyre, less a little play
+    track_m = 2.0 * float(machine.model.body("rl_wheel").pos[1])
+    inner_m = 0.5 * track_m - 0.5 * machine.numbers["tyre_rear.width_m"]
+    assert inner_m - 0.05 < field[block.Field.FURROW_EDGE_M] <= inner_m
+
+
+def test_the_block_says_the_grounds_shape_and_its_patches():
+    ground = Field(
+        cross_slope_deg=5.0,
+        grade_deg=-3.0,
+        roughness_class="C",
+        patches=(Patch(start_m=10.0, length_m=5.0, friction_factor=0.5, cone_index_factor=0.8),),
+    )
+    machine = build(replace(BARE, field=ground))
+    field = machine.model.numeric_data[-block.SIZE :][block.FIELD : block.SOIL]
+    axes = np.reshape(field[block.Field.AHEAD : block.Field.NORMAL + 3], (3, 3))
+    np.testing.assert_allclose(axes.T, world_from_ground(ground, BARE.course), atol=1e-12)
+    # ISO 8608, class C: G_d(0.1) = 256e-6 m3
+    assert field[block.Field.ROUGHNESS_M] == pytest.approx(0.1 * math.sqrt(256e-6))
+    assert field[block.Field.PATCH_COUNT] == 1.0
+    at = block.Field.PATCHES
+    assert field[at : at + 4] == pytest.approx([10.0, 15.0, 0.5, 0.8])
+
+
+@pytest.mark.parametrize("timestep_s", [0.0005, 0.001])
+def test_the_time_step_is_the_scenarios(timestep_s):
+    machine = build(replace(BARE, timestep_s=timestep_s))
+    assert machine.model.opt.timestep == timestep_s

@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 from tests.machine.rigs import (
     BARE,
+    EVEN,
     PLOUGHING,
     bare_rig,
     driven,
@@ -26,7 +27,7 @@ from twin.physics.block import WheelSlot
 from twin.scenario import Course
 
 HINGE_DAMPING_NMSPRAD = 2.0
-FIRM = replace(BARE, course=Course(approach_m=3.0, length_m=25.0))
+FIRM = replace(EVEN, course=Course(approach_m=3.0, length_m=25.0))
 
 
 def tyre(model, wheel):
@@ -78,34 +79,6 @@ def test_a_towed_wheel_of_mobility_42_as_published():
     assert (skid, towing) == pytest.approx((-0.006, 0.064), abs=0.0005)
 
 
-def test_the_power_of_the_axle_is_accounted_for_while_ploughing():
-    """Axle power = shear sliding + rolling moments + resistance + draft + bearings, on the mean."""
-    scenario = replace(
-        soiled(PLOUGHING, draft_cv=0.0), course=Course(approach_m=3.0, length_m=30.0)
-    )
-    c = {n: v[-4000:] for n, v in driven(scenario).items()}
-    omega, v = c["spin_radps"], c["wheel_speed_x_mps"]
-    given = c["axle_torque_nm"] * 0.5 * (c["wheel_rate_radps"][:, 2] + c["wheel_rate_radps"][:, 3])
-    sliding = c["shear_x_n"] * (omega * c["rolling_radius_m"] - v)
-    moments = 0.04 * c["load_n"] * c["rolling_radius_m"] * omega
-    resistance = c["resistance_n"] * v
-    bearings = HINGE_DAMPING_NMSPRAD * c["wheel_rate_radps"] ** 2
-    ploughing = -np.sum(c["draft_w"] * c["velocity_w"], axis=1)
-    taken = ploughing + np.sum(sliding + moments + resistance + bearings, axis=1)
-    assert taken.mean() == pytest.approx(given.mean(), rel=0.003)
-    assert ploughing.mean() > 0.6 * given.mean()
-
-
-def test_the_draft_is_asabes_and_the_depth_wheels():
-    scenario = replace(
-        soiled(PLOUGHING, draft_cv=0.0), course=Course(approach_m=3.0, length_m=30.0)
-    )
-    c = {n: v[-4000:].mean(axis=0) for n, v in driven(scenario).items()}
-    kmh = 3.6 * c["velocity_w"][0]
-    asabe = 0.85 * (652.0 + 5.1 * kmh**2) * 1.40 * 100.0 * c["depth_m"]
-    assert c["draft_n"] == pytest.approx(asabe + 0.10 * c["depth_wheel_n"], rel=0.003)
-
-
 def coast(machine, seconds, speed_mps=2.0):
     """Speeds and loads of a tractor rolling free, clutch out, from a speed; every step."""
     data, model = start(machine), machine.model
@@ -122,7 +95,7 @@ def coast(machine, seconds, speed_mps=2.0):
 @pytest.mark.parametrize("cone_index_kpa", [600.0, 1200.0])
 def test_coasting_slows_at_the_rate_of_the_resistance_law(cone_index_kpa):
     """a = -sum W (c0 + m/Bn + ...) / (m + sum I / R**2)"""
-    machine = build(soiled(BARE, cone_index_kpa=cone_index_kpa))
+    machine = build(soiled(EVEN, cone_index_kpa=cone_index_kpa))
     speeds, slots, _ = coast(machine, 3.1)
     window = slice(500, 1500)
     slots = slots[window].mean(axis=0)
@@ -207,8 +180,8 @@ def test_half_the_time_step_ploughs_with_the_same_slip():
     """Mean slip of the same 28 m of furrow, about 20 s, changes by less than a hundredth."""
     means = []
     for step_s in (0.002, 0.001):
-        machine = build(replace(PLOUGHING, course=Course(approach_m=3.0, length_m=36.0)))
-        machine.model.opt.timestep = step_s
+        course = Course(approach_m=3.0, length_m=36.0)
+        machine = build(replace(PLOUGHING, course=course, timestep_s=step_s))
         chunks = list(simulate(machine))
         along = np.concatenate([c["position_w"][:, 0] for c in chunks])
         slip = np.concatenate([c["slip"][:, 2:].mean(axis=1) for c in chunks])

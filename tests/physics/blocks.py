@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from twin.physics.block import Coupling, Engine, Head, Plough, Soil, Wheel
+from twin.physics.block import Coupling, Engine, Field, Plough, Soil, Wheel
 
 
 def filled(size, values):
@@ -40,6 +40,7 @@ def wheel():
             Wheel.RELAXATION_LONG_M: 0.2,
             Wheel.RELAXATION_LAT_M: 0.7,
             Wheel.LATERAL_RATIO: 0.85,
+            Wheel.SHEAR_DAMPING_S: 0.2,
         },
     )
 
@@ -86,7 +87,8 @@ def plough():
             Plough.DRAFT_A: 652.0,
             Plough.DRAFT_C: 5.1,
             Plough.VERTICAL_RATIO: 0.2,
-            Plough.LANDSIDE_RATIO: 0.3,
+            Plough.FORCE_DEPTH_RATIO: 2.0 / 3.0,
+            Plough.SIDE_RATIO: 0.25,
             Plough.WHEEL_RADIUS_M: 0.3,
             Plough.WHEEL_STIFFNESS_NPM: 120e3,
             Plough.WHEEL_DAMPING_NSPM: 4000.0,
@@ -95,6 +97,22 @@ def plough():
     )
 
 
-def level():
-    """Ground through the world's origin, level."""
-    return filled(Head.SIZE, {Head.NORMAL_Z: 1.0, Head.SEED: 1.0})
+def level(**own):
+    """Ground through the world's origin, level, smooth, without a furrow; `own` by field name."""
+    values = {Field.AHEAD: 1.0, Field.LEFT + 1: 1.0, Field.NORMAL + 2: 1.0, Field.SEED: 1.0}
+    return filled(Field.SIZE, values | {Field[name.upper()]: x for name, x in own.items()})
+
+
+def furrowed(side, **own):
+    """A furrow 0.25 m deep on one side (+1 left), from 10 m on, at its depth 3 m later."""
+    shape = {
+        "furrow_side": side,
+        "furrow_depth_m": 0.25,
+        "furrow_edge_m": 0.65,
+        "furrow_start_m": 10.0,
+        "furrow_ramp_m": 3.0,
+        "furrow_width_m": 0.5,
+        "wall_stiffness_npm": 400e3,
+        "wall_damping_nspm": 20e3,
+    }
+    return level(**(shape | own))

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from tests.physics.blocks import engine
-from twin.physics.engine import axle_torque_nm, engine_torque_nm, full_load_torque_nm
+from twin.physics.engine import (
+    axle_torque_nm,
+    engine_torque_nm,
+    full_load_torque_nm,
+    parasitic_torque_nm,
+)
 
 
 def test_full_load_goes_through_rated_and_peak_torque():
@@ -49,3 +54,31 @@ def test_a_stalled_engine_does_not_drive_backwards():
     for rpm in np.linspace(-900.0, 0.0, 181):
         torque = engine_torque_nm(engine(), 1.0, rpm)
         assert axle_torque_nm(engine(), torque, rpm) >= 0.0
+
+
+def test_the_transmission_passes_what_the_parasites_leave():
+    """i (T - 25) eta forwards; the same over eta when the wheels turn the engine."""
+    assert axle_torque_nm(engine(), 400.0, 1500.0) == pytest.approx(66.0 * 375.0 * 0.87)
+    assert axle_torque_nm(engine(), -60.0, 2300.0) == pytest.approx(66.0 * -85.0 / 0.87)
+    assert parasitic_torque_nm(engine(), 1500.0) == 25.0
+    assert parasitic_torque_nm(engine(), -1500.0) == -25.0
+    assert parasitic_torque_nm(engine(), 10.0) == pytest.approx(5.0)
+
+
+def test_a_dying_engine_loses_its_torque_between_500_and_300_rpm():
+    peak, rated = 1.30 * 447.0, 447.0
+    for rpm, share in ((500.0, 1.0), (400.0, 0.5), (350.0, 0.25), (300.0, 0.0), (0.0, 0.0)):
+        parabola = peak - (peak - rated) * ((rpm - 1450.0) / 750.0) ** 2
+        assert full_load_torque_nm(engine(), rpm) == pytest.approx(share * parabola)
+    for rpm in np.linspace(-100.0, 300.0, 41):
+        for throttle in (0.0, 0.5, 1.0):
+            assert engine_torque_nm(engine(), throttle, rpm) == 0.0
+
+
+@pytest.mark.parametrize(("rpm", "lives"), [(290.0, False), (450.0, True)])
+def test_an_unloaded_engine_below_its_stall_dies_and_above_it_recovers(rpm, lives):
+    """2 kg m2 on its own torque and parasites, at full throttle, for 5 s."""
+    for _ in range(2500):
+        net = engine_torque_nm(engine(), 1.0, rpm) - parasitic_torque_nm(engine(), rpm)
+        rpm += 0.002 * net / 2.0 * 30.0 / np.pi
+    assert (rpm > 2000.0) if lives else (abs(rpm) < 1.0)

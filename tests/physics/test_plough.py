@@ -1,13 +1,20 @@
-"""The plough's draft against ASABE D497, and the senses of its forces."""
+"""The plough's draft against ASABE D497, and the senses, shares and statistics of its forces."""
+
+import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.signal import welch
+from scipy.stats import binom
 
 from tests.physics.blocks import level, plough, soil
 from twin.physics.block import Plough
-from twin.physics.plough import depth_wheel_force, draft_n, share_force
+from twin.physics.plough import depth_wheel_force, draft_factor, draft_n, rock_n, share_force
 
-UP, LEFT = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
+UP, LEFT, RIGHT = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
+DRAFT_N, SIDE_N = 6e3, 0.25 * 6e3
 
 
 @pytest.mark.parametrize(
@@ -27,61 +34,150 @@ def test_draft_is_the_closed_form():
     assert d == pytest.approx(0.85 * (652.0 + 5.1 * (3.6 * 1.5) ** 2) * 0.35 * 25.0)
 
 
-def test_a_share_is_pulled_back_and_down_by_the_ratios():
-    force, depth = share_force(
-        level(), soil(), plough(), (3.0, 1.0, -0.25), (1.5, 0.0, 0.0), UP, LEFT
-    )
-    draft = draft_n(plough(), soil(), 0.25, 1.5)
-    assert depth == 0.25
-    assert force == pytest.approx((-draft, 0.0, -0.2 * draft), rel=1e-3)
-
-
-def test_a_share_above_ground_feels_nothing():
-    force, depth = share_force(
-        level(), soil(), plough(), (0.0, 0.0, 0.01), (1.5, 0.3, -1.0), UP, LEFT
-    )
-    assert force == (0.0, 0.0, 0.0)
-    assert depth == 0.0
+@pytest.mark.parametrize("land", [LEFT, RIGHT])
+def test_a_share_is_pulled_back_and_down_by_the_ratios_and_its_side_force_is_borne(land):
+    """Without drift the landside takes all of the mould-board's side force."""
+    force, landside = share_force(plough(), DRAFT_N, (1.5, 0.0, 0.0), UP, land)
+    assert force == pytest.approx((-DRAFT_N, 0.0, -0.2 * DRAFT_N), rel=1e-3, abs=1e-9)
+    assert landside == pytest.approx(SIDE_N, rel=1e-3)
 
 
 def test_soil_forces_oppose_motion_in_every_direction():
+    """Draft outweighs what drift the mould-board's side force may still do work on."""
     rng = np.random.default_rng(0)
     for _ in range(200):
         velocity = np.append(rng.normal(size=2), 0.0)
-        force, _ = share_force(
-            level(), soil(), plough(), (0.0, 0.0, -0.2), tuple(velocity), UP, LEFT
-        )
+        force, _ = share_force(plough(), DRAFT_N, tuple(velocity), UP, LEFT)
         assert np.dot(force, velocity) < 0.0
 
 
-def test_the_landside_bears_up_to_its_ratio_against_drift():
-    draft = draft_n(plough(), soil(), 0.25, 1.5)
-    for drift in (0.05, -0.05, 0.3):
-        velocity = (1.5 * np.cos(drift), 1.5 * np.sin(drift), 0.0)
-        force, _ = share_force(level(), soil(), plough(), (0.0, 0.0, -0.25), velocity, UP, LEFT)
-        landside = force[1] + draft * np.sin(drift)
-        assert landside * drift < 0.0
-        assert abs(landside) <= 0.3 * draft
+@given(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))
+def test_the_landside_pushes_within_its_range_and_is_mirrored_on_the_other_side(ahead, aside):
+    force, landside = share_force(plough(), DRAFT_N, (ahead, aside, 0.0), UP, LEFT)
+    mirrored, same = share_force(plough(), DRAFT_N, (ahead, -aside, 0.0), UP, RIGHT)
+    assert mirrored == pytest.approx((force[0], -force[1], force[2]), abs=1e-6)
+    assert same == landside
+    assert 0.0 <= landside <= 3.0 * SIDE_N
+
+
+def test_the_side_force_is_balanced_by_the_landside_and_restores():
+    """Sideways there is S towards the land less N, and draft's own part; N doubles in 0.03 rad."""
+    for drift in (-0.1, -0.03, -0.015, 0.0, 0.015, 0.03, 0.06, 0.2):
+        velocity = (1.5 * math.cos(drift), 1.5 * math.sin(drift), 0.0)
+        force, landside = share_force(plough(), DRAFT_N, velocity, UP, LEFT)
+        sideways = force[1] + DRAFT_N * math.sin(drift)
+        assert sideways == pytest.approx(SIDE_N - landside, rel=1e-3, abs=4.0)
+        expected = SIDE_N * min(3.0, max(0.0, 1.0 + math.sin(drift) / 0.03))
+        assert landside == pytest.approx(expected, rel=1e-3, abs=1e-9)
+        assert sideways * drift <= 0.0
+
+
+def test_a_standing_plough_is_not_pulled_at_all():
+    force, landside = share_force(plough(), DRAFT_N, (0.0, 0.0, 0.0), UP, LEFT)
+    assert force == (0.0, 0.0, 0.0)
+    assert landside == 0.0
+
+
+def test_a_standing_landside_is_no_stiff_damper():
+    """Its slope at rest times 2 ms is far below the mass on it, or it would chatter."""
+    aside = 1e-4
+    still, _ = share_force(plough(), DRAFT_N, (0.0, 0.0, 0.0), UP, LEFT)
+    moved, _ = share_force(plough(), DRAFT_N, (0.0, aside, 0.0), UP, LEFT)
+    damping_nspm = 4.0 * abs(moved[1] - still[1]) / aside
+    assert damping_nspm * 0.002 < 0.8 * 1470.0
+
+
+def factors(ground, field, s_m, t_m=0.0, depth_m=0.25):
+    return np.array([draft_factor(field, ground, s, t_m, depth_m) for s in s_m])
 
 
 def test_draft_varies_with_place_and_not_with_time():
     varied = soil(draft_cv=0.12)
-    at = [
-        share_force(level(), varied, plough(), (x, 0.0, -0.25), (1.5, 0.0, 0.0), UP, LEFT)[0][0]
-        for x in np.arange(0.0, 4000.0, 0.5)
-    ]
-    steady = draft_n(plough(), soil(), 0.25, 1.5)
-    assert -np.mean(at) == pytest.approx(steady, rel=0.02)
-    assert np.std(at) / steady == pytest.approx(0.12, rel=0.06)
-    again = share_force(level(), varied, plough(), (7.0, 0.0, -0.25), (1.5, 0.0, 0.0), UP, LEFT)
-    assert again[0][0] == at[14]
+    s = np.arange(0.0, 4000.0, 0.5)
+    along = factors(varied, level(), s)
+    assert along.mean() == pytest.approx(1.0, rel=0.02)
+    assert along.std() == pytest.approx(0.12, rel=0.06)
+    assert draft_factor(level(), varied, 7.0, 0.0, 0.25) == along[14]
+    assert not np.array_equal(along, factors(varied, level(seed=2.0), s))
+    # a simulation that stands elsewhere on the same field finds what lies there
+    assert np.array_equal(factors(varied, level(origin_s_m=100.0), s[:100]), along[200:300])
+    aside = factors(varied, level(origin_t_m=30.0), s)
+    assert np.array_equal(aside, factors(varied, level(), s, t_m=30.0))
+    assert abs(np.corrcoef(aside, along)[0, 1]) < 0.15
+
+
+@pytest.mark.parametrize("depth_m", [0.15, 0.25, 0.30])
+def test_the_ripple_has_a_wave_of_three_quarters_of_the_depth(depth_m):
+    """At 1.5 m/s the peak of its spectrum is at v / (0.75 depth), and its sd is as set."""
+    speed_mps, rate_hz = 1.5, 400.0
+    s = np.arange(0.0, 1200.0, speed_mps / rate_hz)
+    rippled = factors(soil(ripple_cv=0.08), level(), s, depth_m=depth_m)
+    assert rippled.mean() == pytest.approx(1.0, abs=1e-3)
+    assert rippled.std() == pytest.approx(0.08, rel=0.01)
+    frequency, density = welch(rippled, rate_hz, nperseg=8192)
+    peak_hz = frequency[np.argmax(density)]
+    assert peak_hz == pytest.approx(speed_mps / (0.75 * depth_m), rel=0.1)
+    assert 3.0 < peak_hz < 15.0
+    narrow = np.abs(frequency - peak_hz) < 0.35 * peak_hz
+    assert density[narrow].sum() > 0.8 * density.sum()
+
+
+def test_neighbouring_soil_never_pushes_the_plough():
+    wild = soil(draft_cv=0.5, ripple_cv=0.5)
+    along = factors(wild, level(), np.arange(0.0, 500.0, 0.01))
+    assert along.min() == pytest.approx(0.1)
+
+
+def rock_force(ground, field, s_m, share):
+    return np.array([rock_n(field, ground, s, 0.0, share) for s in s_m])
+
+
+def pulses(force):
+    """How many separate pulses a force has."""
+    return int(np.sum((force[1:] > 0.0) & (force[:-1] == 0.0)))
+
+
+def test_a_rock_pulls_its_force_for_a_quarter_of_a_metre():
+    rocky = soil(rocks_per_m2=0.1, rock_n=15e3)
+    s = np.arange(0.0, 400.0, 1e-3)
+    force = rock_force(rocky, level(), s, 0)
+    starts = np.flatnonzero((force[1:] > 0.0) & (force[:-1] == 0.0))
+    assert len(starts) >= 5
+    for i in starts[:-1]:
+        pulse = force[i : i + 300]
+        assert pulse.max() == pytest.approx(15e3, rel=1e-3)
+        assert np.count_nonzero(pulse) == pytest.approx(250, abs=1)
+        x = np.arange(1, 250) / 250.0
+        assert pulse[1:250] == pytest.approx(15e3 * np.sin(np.pi * x) ** 2, abs=250.0)
+        assert pulse.sum() * 1e-3 == pytest.approx(0.5 * 15e3 * 0.25, rel=1e-3)
+    assert np.array_equal(rock_force(rocky, level(), s[::100], 0), force[::100])
+    assert not np.array_equal(rock_force(rocky, level(), s[::10], 1), force[::10])
+    assert np.all(rock_force(soil(rock_n=15e3), level(), s[::100], 0) == 0.0)
+
+
+def test_rocks_are_as_many_as_their_density_says():
+    """Over 280 m2, four shares for 200 m, two in 100 m2: binomial, 80 cells of 0.07 each."""
+    rocky = soil(rocks_per_m2=0.02, rock_n=15e3)
+    s = np.arange(0.0, 200.0, 0.05)
+    counts = []
+    for seed in range(60):
+        ground = level(seed=float(seed))
+        counts.append(sum(pulses(rock_force(rocky, ground, s, share)) for share in range(4)))
+    expected = binom(80, 0.02 * 10.0 * 0.35)
+    assert expected.mean() == pytest.approx(5.6)
+    error = expected.std() / math.sqrt(len(counts))
+    assert np.mean(counts) == pytest.approx(expected.mean(), abs=3.5 * error)
+    assert np.var(counts) == pytest.approx(expected.var(), rel=0.6)
 
 
 def test_the_depth_wheel_is_a_spring_and_drags_a_tenth_of_its_load():
     p = plough()
-    force, load = depth_wheel_force(p, (0.0, 0.0, 0.25), (1.5, 0.0, 0.0), UP)
+    spring, drag, load = depth_wheel_force(p, 0.25, (1.5, 0.0, 0.0), UP)
     assert load == pytest.approx(0.05 * p[Plough.WHEEL_STIFFNESS_NPM])
-    assert force == pytest.approx((-0.1 * load, 0.0, load), rel=1e-3)
-    lifted = depth_wheel_force(p, (0.0, 0.0, 0.31), (1.5, 0.0, 0.0), UP)
-    leaving = depth_wheel_force(p, (0.0, 0.0, 0.29), (1.5, 0.0, 1.0), UP)
-    assert lifted == ((0.0, 0.0, 0.0), 0.0) == leaving
+    assert spring == (0.0, 0.0, load)
+    assert drag == pytest.approx((-0.1 * load, 0.0, 0.0), rel=1e-3)
+    sinking = depth_wheel_force(p, 0.25, (1.5, 0.0, -0.1), UP)[2]
+    assert sinking - load == pytest.approx(0.1 * p[Plough.WHEEL_DAMPING_NSPM])
+    lifted = depth_wheel_force(p, 0.31, (1.5, 0.0, 0.0), UP)
+    leaving = depth_wheel_force(p, 0.29, (1.5, 0.0, 1.0), UP)
+    assert lifted == ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0) == leaving

@@ -1,4 +1,4 @@
-"""The relaxing tyre: its steady state is the law, its deflection a spring at rest."""
+"""The relaxing tyre: its steady state is the law, at rest a spring; it leans, and meets a wall."""
 
 import math
 
@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
-from tests.physics.blocks import soil, wheel
+from tests.physics.blocks import furrowed, level, soil, wheel
+from twin.physics.block import PowerSlot, Soil, WheelSlot
 from twin.physics.brixius import brixius
-from twin.physics.tyre import relaxed_shear
+from twin.physics.tyre import contact_shift_m, relaxed_shear, roll_wheel, wall_force
 
 W, DT_S = 21.7e3, 0.002
 
@@ -82,3 +84,146 @@ def test_pushing_a_standing_wheel_to_and_fro_creates_no_energy():
             u = (u[0] + DT_S * rate_x, u[1] + DT_S * rate_y)
             work += y * side * DT_S
         assert work < 0.0
+
+
+FURROWED = furrowed(1.0)
+TOUCHING_M = 0.65 + 0.5 * 0.467
+"""|t| of a wheel whose flank just touches the wall."""
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_wall_pushes_into_the_furrow_by_its_spring_and_damper(side):
+    """k depth * penetration - c depth * speed away from it, at 0.25 m of wall; mirrored."""
+    field = furrowed(side)
+    pushed = wall_force(field, wheel(), 20.0, side * (TOUCHING_M - 0.01), 0.0)
+    assert pushed == pytest.approx(side * 400e3 * 0.25 * 0.01)
+    hit = wall_force(field, wheel(), 20.0, side * (TOUCHING_M - 0.01), -side * 0.05)
+    assert hit - pushed == pytest.approx(side * 20e3 * 0.25 * 0.05)
+    # on the ramp half the depth, half the wall
+    half = wall_force(field, wheel(), 11.5, side * (TOUCHING_M - 0.1), 0.0)
+    assert half == pytest.approx(side * 400e3 * 0.125 * 0.1)
+    slice_m = 0.65 + 0.5 - 0.5 * 0.467
+    back = wall_force(field, wheel(), 20.0, side * (slice_m + 0.02), 0.0)
+    assert back == pytest.approx(-side * 400e3 * 0.25 * 0.02)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@given(st.floats(-2.0, 2.0), st.floats(-1.0, 1.0), st.floats(5.0, 20.0))
+def test_the_wall_never_pulls_and_acts_only_where_it_is_touched(side, place, speed, s):
+    force = wall_force(furrowed(side), wheel(), s, side * place, speed)
+    slice_m = 0.65 + 0.5 - 0.5 * 0.467
+    if s <= 10.0 or place <= 0.65 or TOUCHING_M <= place <= slice_m:
+        assert force == 0.0
+    elif place < TOUCHING_M:
+        assert side * force >= 0.0
+    else:
+        assert side * force <= 0.0
+
+
+def test_without_a_furrow_there_is_no_wall():
+    for t in np.linspace(-1.5, 1.5, 31):
+        assert wall_force(level(), wheel(), 20.0, t, -0.3) == 0.0
+
+
+@pytest.mark.parametrize("tangent", [0.0, 0.05, -0.1, 0.14])
+def test_the_load_of_a_leaning_tyre_has_the_centre_of_its_pressure(tangent):
+    """Deflections across the tread, delta - x tan(gamma), as pressures on a fine grid."""
+    deflection_m, width_m = 0.06, 0.467
+    x = (np.arange(20_000) + 0.5) / 20_000 * width_m - 0.5 * width_m
+    pressure = deflection_m - x * tangent
+    assert pressure.min() > 0.0
+    centre_m = (x @ pressure) / pressure.sum()
+    assert contact_shift_m(wheel(), tangent, deflection_m) == pytest.approx(centre_m, abs=1e-7)
+
+
+def test_the_load_stays_within_a_quarter_of_the_tread():
+    assert contact_shift_m(wheel(), 1.0, 0.01) == -0.25 * 0.467
+    assert contact_shift_m(wheel(), -1.0, 0.01) == 0.25 * 0.467
+
+
+def on_ground(field, *, hub=(20.0, 0.0, 0.8175), lean_rad=0.0, velocity=(0.0, 0.0, 0.0), rate=0.0):
+    """Force and torque on one wheel at a place, without deflections; its slots and powers."""
+    turned = Rotation.from_euler("x", lean_rad)
+    one, moving = wheel(), np.zeros((1, 6))
+    moving[0, :3], moving[0, 3:] = turned.apply([0.0, rate, 0.0]), velocity
+    slots, powers = np.zeros(int(WheelSlot.SIZE)), np.zeros(int(PowerSlot.SIZE))
+    force, torque = roll_wheel(
+        field, soil(), one, np.array([hub]), turned.as_matrix().reshape(1, 9), moving,
+        np.array([hub]), 0, np.zeros(3), DT_S, slots, np.zeros(3), powers, np.zeros(Soil.SIZE),
+    )  # fmt: skip
+    return np.array(force), np.array(torque), slots, powers
+
+
+def test_an_upright_standing_wheel_is_a_spring():
+    force, torque, slots, _ = on_ground(level())
+    assert slots[WheelSlot.DEFLECTION_M] == pytest.approx(0.06)
+    assert force == pytest.approx([0.0, 0.0, 383e3 * 0.06])
+    assert torque == pytest.approx([0.0, 0.0, 0.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("lean_rad", [0.02, -0.14])
+def test_the_roll_moment_of_a_leaning_wheel_by_hand(lean_rad):
+    """Its load acts where the wheel's plane meets the ground, shifted to the lower side."""
+    height_m = 0.8175
+    force, torque, slots, _ = on_ground(level(), lean_rad=lean_rad)
+    loaded_m = height_m / math.cos(lean_rad)
+    deflection_m = 0.5 * 1.755 - loaded_m
+    load = 383e3 * deflection_m
+    assert slots[WheelSlot.LOAD_N] == pytest.approx(load)
+    assert force == pytest.approx([0.0, 0.0, load], abs=1e-6)
+    shift_m = -math.tan(lean_rad) * 0.467**2 / (12.0 * deflection_m)
+    aside_m = loaded_m * math.sin(lean_rad) + shift_m * math.cos(lean_rad)
+    assert torque == pytest.approx([aside_m * load, 0.0, 0.0], abs=1e-6)
+
+
+def test_the_wall_turns_the_wheel_about_the_middle_of_its_height():
+    """Hub 0.8175 m above the furrow's bottom, wall 0.25 m: its force 0.6925 m below the hub."""
+    hub = (20.0, TOUCHING_M - 0.01, 0.8175 - 0.25)
+    force, torque, slots, _ = on_ground(FURROWED, hub=hub)
+    wall = 400e3 * 0.25 * 0.01
+    assert slots[WheelSlot.WALL_N] == pytest.approx(wall)
+    assert force == pytest.approx([0.0, wall, 383e3 * 0.06])
+    assert torque == pytest.approx([(0.8175 - 0.125) * wall, 0.0, 0.0])
+
+
+def test_on_the_furrows_ramp_the_load_is_normal_to_it():
+    slope = math.atan(-0.25 * 1.5 / 3.0)
+    force, torque, slots, _ = on_ground(FURROWED, hub=(11.5, 0.9, 0.8175 - 0.125))
+    load = 383e3 * (0.5 * 1.755 - 0.8175 * math.cos(slope))
+    assert slots[WheelSlot.LOAD_N] == pytest.approx(load)
+    assert force == pytest.approx([-load * math.sin(slope), 0.0, load * math.cos(slope)], abs=1e-6)
+    assert torque == pytest.approx([0.0, 0.0, 0.0], abs=1e-6)
+
+
+def test_the_powers_of_a_wheel_add_up_to_what_its_forces_take():
+    """Sliding, rolling, tyre and wall, each of its own: -(force . v + torque . w)."""
+    hub = (20.0, TOUCHING_M - 0.01, 0.8175 - 0.25)
+    velocity, rate = np.array([1.5, -0.06, -0.02]), 2.1
+    force, torque, slots, powers = on_ground(FURROWED, hub=hub, velocity=tuple(velocity), rate=rate)
+    taken = -(force @ velocity + torque[1] * rate)
+    parts = [
+        powers[p]
+        for p in (
+            PowerSlot.SLIP_LONG,
+            PowerSlot.SLIP_LAT,
+            PowerSlot.ROLLING,
+            PowerSlot.TYRE,
+            PowerSlot.WALL,
+        )
+    ]
+    assert sum(parts) == pytest.approx(taken, rel=1e-12)
+    assert powers.sum() == pytest.approx(taken, rel=1e-12)
+    spin = rate * slots[WheelSlot.ROLLING_RADIUS_M]
+    assert parts[0] == pytest.approx(slots[WheelSlot.SHEAR_X_N] * (spin - 1.5))
+    assert parts[1] == pytest.approx(slots[WheelSlot.SHEAR_Y_N] * 0.06)
+    assert parts[4] == pytest.approx(slots[WheelSlot.WALL_N] * 0.06)
+    assert min(parts[:3]) > 0.0
+
+
+def test_a_lifted_wheel_feels_nothing():
+    force, torque, slots, powers = on_ground(level(), hub=(20.0, 0.0, 0.88), rate=2.0)
+    assert not force.any()
+    assert not torque.any()
+    assert not powers.any()
+    assert slots[WheelSlot.LOAD_N] == 0.0
+    assert slots[WheelSlot.SLIP] == 1.0

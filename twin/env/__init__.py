@@ -1,6 +1,9 @@
 """Gymnasium environments of the twin; importing this package registers them.
 
     env = gymnasium.make("twin.env:Plough-v0")
+    many = gymnasium.make_vec(
+        "twin.env:Plough-v0", num_envs=256, vectorization_mode="vector_entry_point"
+    )
 
 Plough-v0     throttle and hitch depth of a ploughing tractor, for slip, depth and work rate
 """
@@ -9,4 +12,9 @@ from gymnasium import register
 
 IDS = ("Plough-v0",)
 
-register(id="Plough-v0", entry_point="twin.env.plough:PloughEnv", max_episode_steps=1500)
+register(
+    id="Plough-v0",
+    entry_point="twin.env.plough:PloughEnv",
+    vector_entry_point="twin.env.vector:PloughVectorEnv",
+    max_episode_steps=1500,
+)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -12,14 +11,16 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from twin.env.grounds import Ground
-from twin.env.quantities import ahead_w, dot, true
+from twin.env.grounds import Ground, Lie
+from twin.env.quantities import ahead_w, dot, powers, true
+from twin.errors import BadInput
 from twin.machine.build import Machine
 from twin.machine.columns import Recorder
 from twin.machine.driver import LIFT_RATE_RADPS, ackermann, steer, towards
 from twin.machine.geometry import geometry
+from twin.machine.ground_frame import quaternion, world_from_ground
 from twin.machine.parameters import soil_part
-from twin.machine.simulate import CONTROLS, DECISION_S, Cab
+from twin.machine.simulate import CONTROLS, DECISION_S
 from twin.machine.start import Diverged
 from twin.machine.trajectory import Trajectory
 from twin.physics import block
@@ -34,43 +35,37 @@ DEEPEST_M = 0.35
 """Deepest depth set point [m]."""
 SLOWEST_RPM, FASTEST_RPM = 900.0, 2376.0
 """No-load engine speeds between which the throttle sets the governor [rpm]."""
-SETTLE_S, APPROACH_S = 4.0, 2.0
-"""Time rolled before anything is seen, and time rolled before an episode that sensors see."""
 
 
 @dataclass(frozen=True)
 class Start:
-    """Where every episode begins: rolling steadily, the plough carried just above the ground."""
+    """Where an episode begins: rolling steadily, the plough carried just above the ground."""
 
     state: Array
     """MuJoCo's whole state (nstate,)."""
-    approach: Trajectory
-    """What led there, for sensors and filters to settle on."""
+    approach: Trajectory | None
+    """What led there, for sensors and filters to settle on; None where nobody looks."""
+    along_m: float
+    """How far along the course it stands [m]."""
     steer_rad: float
     lift_rad: float
 
 
-def start(machine: Machine) -> Start:
-    """Roll with the plough carried until everything has settled, and on for the approach."""
-    cab = Cab(machine)
-    carried_rad = float(lift_rad(machine, RAISED_M))
-    cab.task = replace(cab.task, raised_rad=carried_rad, approach_m=math.inf)
-    period_s = DECISION_S
-    for _ in range(round(SETTLE_S / period_s)):
-        cab.act()
-    records = [cab.act() for _ in range(round(APPROACH_S / period_s))]
-    approach = Recorder(machine).trajectory(records)
-    return Start(cab.batch.state[0].copy(), approach, cab.hands.steer_rad, cab.hands.lift_rad)
-
-
 def lift_rad(machine: Machine, depth_set_m: Any) -> Any:
-    """Lower-link angle that puts the plough's sole at a depth, tractor level; elementwise.
+    """Lower-link angle that puts the plough's sole at a depth, in the furrow; elementwise.
+
+    The wheels of one side run at working depth, so the axle's middle is half of it lower.
 
     angle = asin((sole below hitch - depth - axle height - link pivot height) / link length)
     """
     hitch = machine.hitch
+    if hitch is None:
+        raise BadInput(f"{machine.scenario.machine} has no hitch; choose a machine that ploughs")
     sole_m = machine.numbers["plough.sole_below_hitch_m"]
     axle_m = float(machine.model.body("tractor").pos[2])
+    plough = machine.scenario.plough
+    if plough is not None and plough.furrow != "none":
+        axle_m -= 0.5 * plough.depth_m
     rise_m = sole_m - depth_set_m - axle_m - hitch.lower_front[1]
     return np.arcsin(np.maximum(-1.0, np.minimum(1.0, rise_m / hitch.lower_length_m)))
 
@@ -93,8 +88,11 @@ class Fleet:
     def __init__(self, machine: Machine, nsim: int = 1, nthread: int = 1) -> None:
         self.machine = machine
         model = machine.model
+        self.ground = model.geom("ground").id
+        model.geom_sameframe[self.ground] = 0  # it is turned by the slope of each tractor's field
         self.batch = Batch(model, nsim=nsim, nthread=nthread)
         self.blocks = self.batch.expand("numeric_data")[:, -block.SIZE :]
+        self.ground_quat = self.batch.expand("geom_quat")[:, self.ground]
         self.qpos, self.qvel = self.batch.bind("qpos"), self.batch.bind("qvel")
         self.ctrl, self.slots = self.batch.bind("ctrl"), self.batch.bind("userdata")
         self.sensordata = self.batch.bind("sensordata")
@@ -104,23 +102,35 @@ class Fleet:
         named = Recorder(machine).sensors
         self.velocity_w = self.sensordata[:, named["velocity_w"]]
         self.world_from_body = self.sensordata[:, named["world_from_body"]]
-        self.to_world = machine.world_from_ground
+        self.world_from_ground = np.repeat(machine.world_from_ground[None], nsim, axis=0)
         self.track_m = 2.0 * float(model.body("fl_knuckle").pos[1])
         self.wheelbase_m = float(model.body("front_axle").pos[0])
         self.driven = [WHEELS.index(w) for w in geometry(machine).driven]
         self.steer_rad, self.lift_rad = np.zeros(nsim), np.zeros(nsim)
 
-    def restore(self, ids: Sequence[int], start: Start, grounds: Sequence[Ground]) -> None:
-        """Put some tractors back to the start, each on a ground of its own; nothing is compiled."""
+    def restore(
+        self, ids: Sequence[int], starts: Sequence[Start], grounds: Sequence[Ground]
+    ) -> None:
+        """Put some tractors back to a start, each on a ground of its own; nothing is compiled."""
         chosen = np.asarray(ids, dtype=np.int32)
         self.batch.reset(chosen, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
-        self.batch.state[chosen] = start.state
-        for i, ground in zip(chosen, grounds, strict=True):
-            for name, value in soil_part(ground.soil).items():
-                self.blocks[i, block.SOIL + name] = value
-            self.blocks[i, block.FIELD + Field.SEED] = ground.pattern_seed
-        self.steer_rad[chosen], self.lift_rad[chosen] = start.steer_rad, start.lift_rad
+        for i, start, ground in zip(chosen, starts, grounds, strict=True):
+            self.batch.state[i] = start.state
+            self.lay(i, ground.lie)
+            part = soil_part(ground.soil)
+            self.blocks[i, [block.SOIL + name for name in part]] = list(part.values())
+            place = _place(ground, start.along_m)
+            self.blocks[i, [block.FIELD + name for name in place]] = list(place.values())
+            self.steer_rad[i], self.lift_rad[i] = start.steer_rad, start.lift_rad
         self.batch.forward(chosen, stage=mujoco.mjtStage.mjSTAGE_VEL.value)
+
+    def lay(self, i: int, lie: Lie) -> None:
+        """Slope the ground under one tractor, and give its last furrow its depth."""
+        rotation = world_from_ground(lie.field(), self.machine.scenario.course)
+        self.world_from_ground[i], self.ground_quat[i] = rotation, quaternion(rotation)
+        axes = block.FIELD + Field.AHEAD  # ahead, left and normal stand one after the other
+        self.blocks[i, axes : axes + 9] = rotation.T.ravel()
+        self.blocks[i, block.FIELD + Field.FURROW_DEPTH_M] = lie.furrow_depth_m
 
     def drive(self, actions: Array, *, record: bool) -> dict[Any, NDArray[Any]] | None:
         """One control step: the driver steers, the actions set throttle and hitch.
@@ -146,10 +156,12 @@ class Fleet:
             )
         return records
 
-    def true(self) -> dict[str, Array]:
-        """What is true now of each tractor; see `twin.env.quantities.true`."""
-        normal_w = self.to_world[:, 2]
-        return true(self.slots, self.velocity_w, self.world_from_body, normal_w, self.driven)
+    def true(self, ids: Any = slice(None)) -> dict[str, Array]:
+        """What is true now of each tractor, or of some; see `twin.env.quantities.true`."""
+        normal_w = self.world_from_ground[ids, :, 2]
+        velocity_w, attitude = self.velocity_w[ids], self.world_from_body[ids]
+        now = true(self.slots[ids], velocity_w, attitude, normal_w, self.driven)
+        return now | powers(now)
 
     def speed_mps(self) -> Array:
         """Magnitude of the rear axle's velocity, (nsim,)."""
@@ -157,7 +169,7 @@ class Fleet:
 
     def _set(self, actions: Array) -> None:
         """Controls of all tractors for the next control step."""
-        x, y = self.to_world[:, 0], self.to_world[:, 1]
+        x, y = self.world_from_ground[:, :, 0], self.world_from_ground[:, :, 1]
         ahead = ahead_w(self.qpos[:, 3:7])
         left_m, heading = dot(self.qpos[:, :3], y), np.arctan2(dot(ahead, y), dot(ahead, x))
         self.steer_rad = steer(self.wheelbase_m, self.steer_rad, left_m, heading, self.period_s)
@@ -176,3 +188,18 @@ class Fleet:
             ("front_drive", float(levers.all_wheel_drive)),
         ):
             self.ctrl[:, self.controls[name]] = value
+
+
+def _place(ground: Ground, start_m: float) -> dict[Any, float]:
+    """The block's numbers of what varies over a field: patches, counted from the start."""
+    out: dict[Any, float] = {
+        Field.SEED: ground.pattern_seed,
+        Field.ORIGIN_S_M: ground.origin_m[0],
+        Field.ORIGIN_T_M: ground.origin_m[1],
+        Field.PATCH_COUNT: len(ground.patches),
+    }
+    for i, patch in enumerate(ground.patches):
+        begin_m = start_m + patch.start_m
+        values = (begin_m, begin_m + patch.length_m, patch.friction_factor, patch.cone_index_factor)
+        out |= {Field.PATCHES + 4 * i + k: value for k, value in enumerate(values)}
+    return out

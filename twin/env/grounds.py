@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 from numpy.random import Generator
 
-from twin.errors import BadInput, UnknownName
-from twin.scenario import Soil
+from twin.errors import BadInput, OutOfRange, UnknownName, check_range
+from twin.scenario import MOST_PATCHES, Field, Patch, Soil
 from twin.soils import PRESETS
 
 KINDS = ("firm", "tilled", "soft", "grass")
@@ -20,8 +21,39 @@ SPREAD = {
     "draft_scale": (0.80, 1.20),
 }
 """Range of the uniform factor on each of the preset's numbers."""
-OPTIONS = ("soil.preset", *(f"soil.{name}" for name in SPREAD))
+STEEPEST_DEG = {"cross_slope_deg": 6.0, "grade_deg": 3.0}
+"""Largest slope drawn, either way."""
+FURROW_SPREAD = (0.9, 1.1)
+"""Range of the last furrow's depth over the depth ploughed now."""
+PATCHES = (2, (3.0, 40.0), (2.0, 10.0), (0.7, 1.0), (0.6, 1.0))
+"""Most patches drawn; ranges of start ahead and length [m], of friction and cone index factors."""
+FARTHEST_M = 1000.0
+"""How far from the field's origin an episode may stand [m]."""
+LIES = 16
+"""How many slopes with furrows an episode draws from."""
+LIE = (*STEEPEST_DEG, "furrow_depth_m")
+OPTIONS = (
+    "soil.preset",
+    *(f"soil.{name}" for name in SPREAD),
+    *(f"field.{name}" for name in LIE),
+    "field.patches",
+    "field.origin_m",
+)
 """What `reset`'s options may name; what is named is taken as it is, the rest is drawn."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lie:
+    """How the field lies: what a tractor has to settle on before an episode."""
+
+    cross_slope_deg: float = 0.0
+    grade_deg: float = 0.0
+    furrow_depth_m: float = 0.25
+    """Depth of the last furrow, in which the right wheels run [m]."""
+
+    def field(self) -> Field:
+        """Its slopes as a scenario has them."""
+        return Field(cross_slope_deg=self.cross_slope_deg, grade_deg=self.grade_deg)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,18 +61,44 @@ class Ground:
     """What is drawn for one episode."""
 
     soil: Soil
+    lie: Lie
+    patches: tuple[Patch, ...]
+    """Stretches of other soil, `start_m` ahead of the rear axle at the start."""
+    origin_m: tuple[float, float]
+    """Where on the unbounded field the episode stands, along and to the left [m]."""
     pattern_seed: int
-    """Seed of the draft's variation with place."""
+    """Seed of the field: what varies with place."""
     noise_seed: int
     """Seed of the sensors' errors."""
 
     def info(self) -> dict[str, Any]:
-        """The soil by the names of `OPTIONS`."""
+        """The ground by the names of `OPTIONS`."""
         preset = self.soil.resolved()
         return {
             "soil.preset": self.soil.preset,
             **{f"soil.{name}": float(getattr(preset, name)) for name in SPREAD},
+            **{f"field.{name}": float(getattr(self.lie, name)) for name in LIE},
+            "field.patches": tuple(
+                (p.start_m, p.length_m, p.friction_factor, p.cone_index_factor)
+                for p in self.patches
+            ),
+            "field.origin_m": self.origin_m,
         }
+
+
+def lies(depth_m: float) -> tuple[Lie, ...]:
+    """The slopes and furrows an episode draws from, the same for every seed; the first is level.
+
+    Args:
+        depth_m: depth ploughed now.
+    """
+    generator = np.random.default_rng(0)
+    drawn = [Lie(furrow_depth_m=depth_m)]
+    for _ in range(LIES - 1):
+        slopes = {n: round(generator.uniform(-m, m), 1) for n, m in STEEPEST_DEG.items()}
+        furrow_m = min(0.35, max(0.05, depth_m * generator.uniform(*FURROW_SPREAD)))
+        drawn.append(Lie(furrow_depth_m=round(furrow_m, 3), **slopes))
+    return tuple(drawn)
 
 
 def check_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
@@ -55,17 +113,27 @@ def check_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
     for name, value in chosen.items():
         if name not in OPTIONS:
             raise UnknownName("option", name, OPTIONS)
-        if name == "soil.preset" and not isinstance(value, str):
-            raise BadInput(f"option {name} = {value!r} is not the name of a soil preset")
-        if name != "soil.preset":
+        if name == "soil.preset":
+            if not isinstance(value, str):
+                raise BadInput(f"option {name} = {value!r} is not the name of a soil preset")
+        elif name == "field.patches":
+            chosen[name] = _patches(value)
+        elif name == "field.origin_m":
+            chosen[name] = _numbers(name, value, ("along", "to the left"))
+        else:
             chosen[name] = _number(name, value)
-    fields: dict[str, Any] = {n.removeprefix("soil."): value for n, value in chosen.items()}
-    Soil(**fields)
+    if not chosen:
+        return chosen
+    Soil(**_part(chosen, "soil."))
+    Field(**{n: v for n, v in _part(chosen, "field.").items() if n in STEEPEST_DEG})
+    check_range("field.furrow_depth_m", chosen.get("field.furrow_depth_m", 0.05), 0.05, 0.35)
+    for metres in chosen.get("field.origin_m", ()):
+        check_range("field.origin_m", metres, -1e6, 1e6)
     return chosen
 
 
-def draw(generator: Generator, options: Mapping[str, Any]) -> Ground:
-    """A ground: preset, then a factor on each of its numbers; options take a drawn value's place.
+def draw(generator: Generator, options: Mapping[str, Any], choices: Sequence[Lie]) -> Ground:
+    """A ground: soil, lie, patches, origin; options take a drawn value's place.
 
     The same number of draws is made whatever the options.
     """
@@ -76,8 +144,59 @@ def draw(generator: Generator, options: Mapping[str, Any]) -> Ground:
         drawn = getattr(PRESETS[preset], name) * generator.uniform(low, high)
         numbers[name] = float(options.get(f"soil.{name}", drawn))
     pattern_seed, noise_seed = (int(seed) for seed in generator.integers(2**31, size=2))
-    soil = Soil(preset=preset, **numbers)
-    return Ground(soil=soil, pattern_seed=pattern_seed, noise_seed=noise_seed)
+    lie = choices[int(generator.integers(len(choices)))]
+    own = {name: value for name, value in _part(options, "field.").items() if name in LIE}
+    patches = _drawn_patches(generator)
+    origin_m = tuple(generator.uniform(-FARTHEST_M, FARTHEST_M, 2).tolist())
+    return Ground(
+        soil=Soil(preset=preset, **numbers),
+        lie=replace(lie, **own),
+        patches=options.get("field.patches", patches),
+        origin_m=options.get("field.origin_m", origin_m),
+        pattern_seed=pattern_seed,
+        noise_seed=noise_seed,
+    )
+
+
+def _drawn_patches(generator: Generator) -> tuple[Patch, ...]:
+    most, *ranges = PATCHES
+    count = int(generator.integers(most + 1))
+    rows = [[generator.uniform(*within) for within in ranges] for _ in range(most)]
+    return tuple(_patch(row) for row in rows[:count])
+
+
+def _patch(row: Sequence[float]) -> Patch:
+    start_m, length_m, friction, cone_index = row
+    return Patch(
+        start_m=start_m, length_m=length_m, friction_factor=friction, cone_index_factor=cone_index
+    )
+
+
+def _patches(value: Any) -> tuple[Patch, ...]:
+    wanted = ("start_m", "length_m", "friction_factor", "cone_index_factor")
+    try:
+        rows = list(value)
+    except TypeError:
+        raise BadInput(f"option field.patches = {value!r} is not a list of patches") from None
+    if len(rows) > MOST_PATCHES:
+        raise OutOfRange("field.patches", len(rows), f"0 to {MOST_PATCHES} patches")
+    return tuple(
+        row if isinstance(row, Patch) else _patch(_numbers("field.patches", row, wanted))
+        for row in rows
+    )
+
+
+def _part(options: Mapping[str, Any], prefix: str) -> dict[str, Any]:
+    return {n.removeprefix(prefix): v for n, v in options.items() if n.startswith(prefix)}
+
+
+def _numbers(name: str, value: Any, wanted: Sequence[str]) -> tuple[float, ...]:
+    parts = list(value) if np.iterable(value) and not isinstance(value, str) else []
+    if len(parts) != len(wanted):
+        raise BadInput(
+            f"option {name} = {value!r} is not {len(wanted)} numbers: {', '.join(wanted)}"
+        )
+    return tuple(_number(name, part) for part in parts)
 
 
 def _number(name: str, value: Any) -> float:

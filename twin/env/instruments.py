@@ -28,6 +28,7 @@ class Instruments:
     def begin(self, seed: int, approach: Trajectory) -> None:
         """Switch on, and look at the approach, so that every sensor has spoken."""
         self.recorder = Recorder(self.machine)
+        self.recorder.normal = approach["ground_normal_w"][0]
         self.recorder.steps = len(approach)
         self.state = sensors.init(self.config, seed)
         self.memory = self.estimator.init(self.setup) if self.estimator else None

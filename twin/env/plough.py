@@ -4,29 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-import mujoco
 import numpy as np
 from gymnasium import Env
 from gymnasium.error import ResetNeeded
-from gymnasium.spaces import Box
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
-from twin import registry
-from twin.env import grounds, observations, reward
-from twin.env.fleet import FASTEST_RPM, SLOWEST_RPM, Fleet, start
-from twin.env.instruments import Instruments
-from twin.env.quantities import powers
-from twin.env.rendering import Camera
-from twin.errors import BadInput, UnknownName, check_range
-from twin.machine.build import build
-from twin.scenario import Plough, Scenario
+from twin.env import grounds
+from twin.env.episodes import Episodes, checked
+from twin.env.rendering import RENDER_MODES, Camera, check_mode
 
 Observation = NDArray[np.float32]
-
-ACTIONS = ("throttle", "hitch")
-STALL_MPS, STALL_S = 0.05, 1.0
-"""Slower than this for this long is a stall."""
 
 
 class PloughEnv(Env[Observation, NDArray[np.float32]], EzPickle):
@@ -39,7 +27,12 @@ class PloughEnv(Env[Observation, NDArray[np.float32]], EzPickle):
     ```
     env = gymnasium.make("twin.env:Plough-v0", observation="estimate")
     observation, info = env.reset(seed=1, options={"soil.preset": "soft"})
+    many = gymnasium.make_vec(
+        "twin.env:Plough-v0", num_envs=256, vectorization_mode="vector_entry_point"
+    )
     ```
+
+    The second is `twin.env.vector.PloughVectorEnv`: many tractors in one batch, the same numbers.
 
     ## Arguments
 
@@ -149,14 +142,16 @@ class PloughEnv(Env[Observation, NDArray[np.float32]], EzPickle):
     | depth | 0.25 / (1 + ((depth - target) / 0.03 m)^2) | (0, 0.25] |
 
     None is negative, so stalling never pays. Each is in `info` as `reward_<term>`, beside `slip`,
-    `depth_m`, `speed_mps`, `draft_n`, `work_rate_haph`, `traction_efficiency`, and after a reset
-    the ground as `soil.*`.
+    `depth_m`, `speed_mps`, `draft_n`, `work_rate_haph`, `traction_efficiency`, `fuel_lph` (ASABE
+    D497's specific fuel at the engine's power, an estimate), and after a reset the ground by the
+    names of the options below.
 
     ## Start
 
-    Rolling straight at the scenario's engine speed (1628 rpm no-load, 2.05 m/s), settled for 6 s,
-    the plough carried with its shares 0.10 m above the ground (hitch action -1). Sensors and
-    estimator have seen the last 2 s. The ground is drawn from the seed:
+    A keyframe: rolling straight at the scenario's engine speed (1665 rpm no-load, 2.1 m/s), settled
+    for 6 s on its slope, the right wheels in the last furrow, the plough carried with its shares
+    0.10 m above the ground (hitch action -1). Sensors and estimator have seen the last 2 s. The
+    ground is drawn from the seed:
 
     | quantity | drawn | option of `reset` |
     |---|---|---|
@@ -164,7 +159,10 @@ class PloughEnv(Env[Observation, NDArray[np.float32]], EzPickle):
     | friction | preset x U(0.85, 1.10) | `soil.friction` |
     | cone index | preset x U(0.80, 1.25) | `soil.cone_index_kpa` [kPa] |
     | draft scale | preset x U(0.80, 1.20) | `soil.draft_scale`, F of ASABE D497 |
-    | pattern of the draft in the field, sensor errors | seeds | none |
+    | slope, last furrow | one of 16 keyframes: cross slope within 6 deg, grade within 3 deg, furrow 0.9 to 1.1 of the depth; the first is level | `field.cross_slope_deg` (rises to the left), `field.grade_deg` (rises ahead), `field.furrow_depth_m` [m]; a combination not seen before is settled first, some 0.2 s |
+    | patches of weaker soil | 0 to 2; start 3 to 40 m ahead, length 2 to 10 m, friction x U(0.7, 1), cone index x U(0.6, 1) | `field.patches`, up to four of (start_m, length_m, friction factor, cone index factor) |
+    | place in the field | within 1000 m, along and to the left | `field.origin_m` [m] |
+    | pattern of draft and strength in the field, sensor errors | seeds | none |
 
     ## End
 
@@ -178,10 +176,11 @@ class PloughEnv(Env[Observation, NDArray[np.float32]], EzPickle):
 
     ## Version history
 
-    v0: first.
+    v0: first. Since then, before any release: slopes, furrow depth, patches and place are drawn too,
+    fuel is in `info`, and the vector environment came.
     """  # noqa: E501
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 50}  # noqa: RUF012  Gymnasium's name
+    metadata = {"render_modes": RENDER_MODES, "render_fps": 50}  # noqa: RUF012  Gymnasium's name
 
     def __init__(
         self,
@@ -192,26 +191,13 @@ class PloughEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         render_mode: str | None = None,
     ) -> None:
         EzPickle.__init__(self, observation, estimator, depth_m, slip_target, render_mode)
-        if observation not in observations.MODES:
-            raise UnknownName("observation", observation, observations.MODES)
-        if render_mode not in (None, *self.metadata["render_modes"]):
-            raise UnknownName("render_mode", str(render_mode), self.metadata["render_modes"])
-        check_range("slip_target", slip_target, 0.02, 0.4)
+        check_mode(render_mode)
         self.render_mode = render_mode
-        self.depth_m, self.slip_target = float(depth_m), float(slip_target)
-        machine = build(Scenario(name="Plough-v0", plough=Plough(depth_m=self.depth_m)))
-        numbers = machine.numbers
-        self.width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
-        self.start, self.fleet = start(machine), Fleet(machine)
-        self.instruments = None
-        if observation != "truth":
-            wanted = registry.load("estimator", estimator) if observation == "estimate" else None
-            self.instruments = Instruments(machine, wanted)
+        self.episodes = Episodes(observation, estimator, depth_m, slip_target)
+        self.entries = self.episodes.entries
+        self.observation_space = self.episodes.observation_space
+        self.action_space = self.episodes.action_space
         self.camera: Camera | None = None
-        self.entries = observations.MODES[observation]
-        self.box = observations.space(self.entries)
-        self.observation_space = self.box
-        self.action_space = Box(-1.0, 1.0, (len(ACTIONS),), np.float32)
         self.running = False
 
     def reset(
@@ -224,14 +210,12 @@ class PloughEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         """
         chosen = grounds.check_options(options)
         super().reset(seed=seed)
-        ground = grounds.draw(self.np_random, chosen)
-        self.fleet.restore([0], self.start, [ground])
-        if self.instruments is not None:
-            self.instruments.begin(ground.noise_seed, self.start.approach)
-        self.standing_s, self.running = 0.0, True
-        self.action = np.array([[self._start_throttle(), -1.0]])
-        true = self.fleet.true()
-        return self._observe(true), self._info(true) | ground.info()
+        ground = grounds.draw(self.np_random, chosen, self.episodes.lies)
+        self.episodes.begin([0], [ground])
+        self.running = True
+        true = self.episodes.fleet.true()
+        info = {name: float(value[0]) for name, value in self.episodes.info(true).items()}
+        return self.episodes.observe(true)[0], info | ground.info()
 
     def step(
         self, action: NDArray[np.float32]
@@ -242,19 +226,18 @@ class PloughEnv(Env[Observation, NDArray[np.float32]], EzPickle):
             BadInput: an action of the wrong shape, or one that is not finite.
             Diverged: the simulation left the finite numbers; reset to go on.
         """
-        taken = _checked(action)
+        taken = checked(action, ())[None]
         if not self.running:
             raise ResetNeeded("call reset() before step()")
-        self.action, self.running = taken, False  # until the step has gone well
-        records = self.fleet.drive(taken, record=self.instruments is not None)
+        self.running = False  # until the step has gone well
+        stalled = self.episodes.advance(taken)
         self.running = True
-        if self.instruments is not None and records is not None:
-            self.instruments.advance([records])
-        true = self.fleet.true()
-        terms = reward.terms(true, self.width_m, self.depth_m, self.slip_target)
-        info = {f"reward_{name}": float(value[0]) for name, value in terms.items()}
-        total = sum(info.values())
-        return self._observe(true), total, self._stalled(), False, self._info(true) | info
+        true = self.episodes.fleet.true()
+        rewards, terms = self.episodes.rewards(true)
+        named = self.episodes.info(true) | terms
+        info = {name: float(value[0]) for name, value in named.items()}
+        observation = self.episodes.observe(true)[0]
+        return observation, float(rewards[0]), bool(stalled[0]), False, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """The tractor as it stands, (480, 640, 3), or None without a render mode.
@@ -265,55 +248,11 @@ class PloughEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         if self.render_mode is None:
             return None
         if self.camera is None:
-            self.camera = Camera(self.fleet.machine.model)
-        state = self.fleet.batch.get_data(0)
-        mujoco.mj_forward(self.fleet.machine.model, state)
-        return self.camera.picture(state)
+            self.camera = Camera(self.episodes.fleet.machine.model)
+        return self.camera.of(self.episodes.fleet.batch, 0)
 
     def close(self) -> None:
         """Let go of the renderer."""
         if self.camera is not None:
             self.camera.close()
             self.camera = None
-
-    def _start_throttle(self) -> float:
-        set_rpm = self.fleet.machine.scenario.drive.engine_set_rpm
-        return 2.0 * (set_rpm - SLOWEST_RPM) / (FASTEST_RPM - SLOWEST_RPM) - 1.0
-
-    def _stalled(self) -> bool:
-        slow = bool(self.fleet.speed_mps()[0] < STALL_MPS)
-        self.standing_s = self.standing_s + self.fleet.period_s if slow else 0.0
-        return self.standing_s >= STALL_S
-
-    def _observe(self, true: dict[str, Any]) -> Observation:
-        values: dict[str, Any] = true if self.instruments is None else self.instruments.values()
-        task = {
-            "throttle": self.action[:, 0],
-            "lift_set_rad": self.fleet.lift_rad,
-            "slip_target": self.slip_target,
-            "depth_target_m": self.depth_m,
-        }
-        packed: Observation = observations.pack(values | task, self.entries, self.box, 1)[0]
-        return packed
-
-    def _info(self, true: dict[str, Any]) -> dict[str, Any]:
-        rate_m2ps = reward.work_rate_m2ps(true, self.width_m, self.depth_m)
-        info = {name: float(true[name][0]) for name in ("slip", "depth_m", "speed_mps", "draft_n")}
-        info["work_rate_haph"] = float(rate_m2ps[0]) * 0.36
-        info["traction_efficiency"] = float(powers(true)["traction_efficiency"][0])
-        return info
-
-
-def _checked(action: Any) -> NDArray[np.float64]:
-    """An action as numbers within [-1, 1], (1, 2). Raises BadInput for one that cannot be meant."""
-    wanted = f"{len(ACTIONS)} numbers in [-1, 1]: {', '.join(ACTIONS)}"
-    try:
-        taken = np.asarray(action, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise BadInput(f"action {action!r} is not {wanted}") from None
-    if taken.shape != (len(ACTIONS),):
-        raise BadInput(f"action has shape {taken.shape}, not ({len(ACTIONS)},); give {wanted}")
-    for i, name in enumerate(ACTIONS):
-        if not np.isfinite(taken[i]):
-            raise BadInput(f"action[{i}] ({name}) = {taken[i]} is not finite; give {wanted}")
-    return np.minimum(np.maximum(taken, -1.0), 1.0)[None]

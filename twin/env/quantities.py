@@ -47,12 +47,12 @@ def ground_axes(world_from_body: Array, normal_w: Array) -> tuple[Array, Array]:
 
     Args:
         world_from_body: quaternions wxyz (nsim, 4).
-        normal_w: normal of the ground plane (3,).
+        normal_w: normal of the ground plane (3,), or of each tractor's (nsim, 3).
     """
     ahead = ahead_w(world_from_body)
     ahead = ahead - dot(ahead, normal_w)[..., None] * normal_w
     ahead = ahead / np.sqrt(dot(ahead, ahead))[..., None]
-    n, (x, y, z) = normal_w, ahead.T
+    n, (x, y, z) = normal_w.T, ahead.T
     left = np.stack([n[1] * z - n[2] * y, n[2] * x - n[0] * z, n[0] * y - n[1] * x], axis=-1)
     return ahead, left
 
@@ -66,7 +66,7 @@ def true(
         slots: the callback's report, `userdata` (nsim, nuserdata).
         velocity_w: velocity of the rear-axle centre (nsim, 3) [m/s].
         world_from_body: attitude, quaternions wxyz (nsim, 4).
-        normal_w: normal of the ground plane (3,).
+        normal_w: normal of the ground plane (3,), or of each tractor's (nsim, 3).
         driven: places of the driven wheels in `twin.streams.WHEELS`.
     """
     wheels = slots[:, : block.MACHINE_SLOTS].reshape(len(slots), len(WHEELS), int(WheelSlot.SIZE))

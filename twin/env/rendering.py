@@ -10,7 +10,16 @@ import numpy as np
 from gymnasium.error import DependencyNotInstalled
 from numpy.typing import NDArray
 
+from twin.errors import UnknownName
+
 WIDTH, HEIGHT = 640, 480
+RENDER_MODES = ["rgb_array"]
+
+
+def check_mode(render_mode: str | None) -> None:
+    """Raise UnknownName for a render mode that there is not."""
+    if render_mode not in (None, *RENDER_MODES):
+        raise UnknownName("render_mode", str(render_mode), RENDER_MODES)
 
 
 class Camera:
@@ -34,6 +43,12 @@ class Camera:
         self.view.type = mujoco.mjtCamera.mjCAMERA_TRACKING
         self.view.trackbodyid = model.body("tractor").id
         self.view.distance, self.view.azimuth, self.view.elevation = 10.0, 125.0, -15.0
+
+    def of(self, batch: Any, i: int) -> NDArray[np.uint8]:
+        """One tractor of a Batch on its own ground, (height, width, 3)."""
+        model, state = batch.get_model(i), batch.get_data(i)
+        mujoco.mj_forward(model, state)
+        return self.picture(state)
 
     def picture(self, state: Any) -> NDArray[np.uint8]:
         """The tractor of an MjData whose kinematics are current, (height, width, 3)."""

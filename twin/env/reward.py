@@ -7,8 +7,6 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.env.quantities import powers
-
 Array = NDArray[np.float64]
 
 WEIGHTS = {"work": 0.3, "efficiency": 0.2, "slip": 0.25, "depth": 0.25}
@@ -46,7 +44,7 @@ def terms(
     """
     worth = {
         "work": work_rate_m2ps(true, width_m, depth_target_m) / WORK_RATE_M2PS,
-        "efficiency": powers(true)["traction_efficiency"],
+        "efficiency": true["traction_efficiency"],
         "slip": closeness(true["slip"] - slip_target, SLIP_TOLERANCE),
         "depth": closeness(true["depth_m"] - depth_target_m, DEPTH_TOLERANCE_M),
     }

@@ -33,7 +33,8 @@ class Machine:
     """The models' own <numeric> values by name."""
     world_from_ground: Array
     """Rotation from the ground plane's frame to the world. Shape (3, 3)."""
-    hitch: Hitch
+    hitch: Hitch | None
+    """None where there is no linkage."""
     work_rad: float
     """Lower-link angle at the working depth."""
     start_qpos: Array
@@ -62,7 +63,7 @@ def build(scenario: Scenario, *, looks: bool = False) -> Machine:
     install()
     spec = mujoco.MjSpec.from_file(str(model_path(scenario.machine)))
     numbers = {n.name: float(n.data[0]) for n in spec.numerics}
-    if scenario.plough is None:
+    if scenario.plough is None and spec.body("plough.frame") is not None:
         _leave_plough(spec)
     for geom in (*(f"{w}_tyre" for w in block.WHEELS), "plough.depth_wheel_rim"):
         if (rim := spec.geom(geom)) is not None:
@@ -85,7 +86,7 @@ def build(scenario: Scenario, *, looks: bool = False) -> Machine:
     model.numeric_data[-block.SIZE :] = parameter_block(scenario, model, numbers, rotation)
     axle_height_m = model.body("tractor").pos[2]
     work_rad = 0.0
-    if scenario.plough is not None:
+    if scenario.plough is not None and hitch is not None:
         if scenario.plough.furrow != "none":  # one side lower by the depth, the middle by half
             axle_height_m -= 0.5 * scenario.plough.depth_m
         work_rad = set_plough(
@@ -98,7 +99,7 @@ def build(scenario: Scenario, *, looks: bool = False) -> Machine:
         )
     speed = unloaded_speed_mps(scenario, numbers)
     start = standing(model, scenario, rotation, hitch, work_rad)
-    qpos, act = settled(model, start, scenario.name)
+    qpos, act = settled(model, start, rotation, scenario.name)
     return Machine(scenario, model, numbers, rotation, hitch, work_rad, qpos, act, speed)
 
 
@@ -134,7 +135,9 @@ def _add_activations(spec: Any) -> list[str]:
     return names
 
 
-def _hitch(spec: Any) -> Hitch:
+def _hitch(spec: Any) -> Hitch | None:
+    if spec.body("lower_links") is None:
+        return None
     links, frame = spec.body("lower_links"), spec.frame("hitch")
     top, mast = spec.site("top_link_front"), spec.site("plough.top_link_rear")
     return Hitch(

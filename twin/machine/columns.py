@@ -49,7 +49,7 @@ SENSOR_COLUMNS = (
     "potential_j", "kinetic_j",
     "position_w", "world_from_body", "velocity_w", "gyro_b", "imu_accel_b", "cg_velocity_w",
     "antenna_main_w", "antenna_main_velocity_w", "antenna_aux_w",
-    "fl_steer_rad", "fr_steer_rad", "front_swing_rad", "hitch_rad",
+    "fl_steer_rad", "fr_steer_rad", "front_swing_rad",
 )  # fmt: skip
 
 
@@ -98,7 +98,10 @@ class Recorder:
         columns |= {name: wheels[:, :, slot] for name, slot in WHEEL_COLUMNS.items()}
         columns |= {name: machine[:, slot] for name, slot in MACHINE_COLUMNS.items()}
         columns |= {name: powers[:, slot] for name, slot in POWER_COLUMNS.items()}
-        columns["power_lift_w"] = -sensor("lift_nm") * sensor("lift_radps")
+        linkage = "hitch_rad" in self.sensors
+        none = np.zeros(len(slots))
+        columns["hitch_rad"] = sensor("hitch_rad") if linkage else none
+        columns["power_lift_w"] = -sensor("lift_nm") * sensor("lift_radps") if linkage else none
         columns["power_steer_w"] = -(
             sensor("steer_left_nm") * sensor("fl_steer_radps")
             + sensor("steer_right_nm") * sensor("fr_steer_radps")

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from twin.errors import BadInput
 from twin.physics import block
 from twin.physics.block import Coupling, Engine, Field, Head, Plough, Soil, Wheel
+from twin.physics.laws import law_number
 from twin.scenario import FURROW_SIDES, ROUGHNESS, Scenario
 from twin.scenario import Soil as Ground
-from twin.soils import LAWS
+from twin.soils import Deformable
 
 Array = NDArray[np.float64]
 
@@ -45,7 +46,8 @@ def parameter_block(
         part = _coupling(model, name, numbers, scenario.drive.gear_ratio)
         parts.append((block.COUPLING + i * Coupling.SIZE, part))
     for i, wheel in enumerate(block.WHEELS):
-        parts.append((block.WHEEL + i * Wheel.SIZE, _wheel(model, wheel, numbers)))
+        part = _wheel(model, wheel, numbers, scenario.soil.resolved().front_grip)
+        parts.append((block.WHEEL + i * Wheel.SIZE, part))
     if scenario.plough is not None:
         side = FURROW_SIDES[scenario.plough.furrow]
         parts.append((block.PLOUGH, _plough(model, numbers, side)))
@@ -59,9 +61,9 @@ def soil_part(soil: Ground) -> dict[Any, float]:
     """The block's numbers of a soil."""
     preset = soil.resolved()
     return {
-        Soil.LAW: LAWS.index(soil.law),
+        Soil.LAW: law_number(soil.law),
         Soil.FRICTION: preset.friction,
-        Soil.CONE_INDEX_KPA: preset.cone_index_kpa,
+        Soil.CONE_INDEX_KPA: 0.0 if math.isnan(preset.cone_index_kpa) else preset.cone_index_kpa,
         Soil.SLIP_RATE: preset.slip_rate,
         Soil.ROLLING_MOMENT: preset.rolling_moment,
         Soil.MOBILITY_RESISTANCE: preset.mobility_resistance,
@@ -72,6 +74,27 @@ def soil_part(soil: Ground) -> dict[Any, float]:
         Soil.STRENGTH_CV: preset.strength_cv,
         Soil.ROCKS_PER_M2: soil.rocks_per_100m2 / 100.0,
         Soil.ROCK_N: 1e3 * soil.rock_kn,
+        **_deformable_part(soil.law, preset.deformable),
+    }
+
+
+def _deformable_part(law: str, soil: Deformable | None) -> dict[Any, float]:
+    """What Bekker's law needs; under it, tan(phi) is the friction."""
+    if soil is None:
+        return {}
+    tan_phi = math.tan(math.radians(soil.friction_angle_deg))
+    return {
+        **({Soil.FRICTION: tan_phi} if law == "bekker" else {}),
+        Soil.K_C: 1e3 * soil.k_c_kn_per_m_n1,
+        Soil.K_PHI: 1e3 * soil.k_phi_kn_per_m_n2,
+        Soil.SINKAGE_EXPONENT: soil.sinkage_exponent,
+        Soil.COHESION_PA: 1e3 * soil.cohesion_kpa,
+        Soil.TAN_PHI: tan_phi,
+        Soil.SHEAR_LONG_M: soil.shear_modulus_m,
+        Soil.SHEAR_LAT_M: soil.shear_modulus_m * soil.lateral_shear_ratio,
+        Soil.UNIT_WEIGHT_NPM3: 1e3 * soil.unit_weight_knpm3,
+        Soil.PEAK: soil.stress_peak,
+        Soil.PEAK_SLIP: soil.stress_peak_slip,
     }
 
 
@@ -114,14 +137,19 @@ def _named(numbers: dict[str, float], prefix: str, fields: tuple[Any, ...]) -> d
     return {f: _number(numbers, f"{prefix}.{f.name.lower()}") for f in fields}
 
 
-def _wheel(model: Any, wheel: str, numbers: dict[str, float]) -> dict[Any, float]:
+def _wheel(
+    model: Any, wheel: str, numbers: dict[str, float], front_grip: float
+) -> dict[Any, float]:
     axle = "front" if wheel[0] == "f" else "rear"
     sizes = tuple(f for f in Wheel if Wheel.WIDTH_M <= f < Wheel.SIZE)
+    named = _named(numbers, f"tyre_{axle}", sizes)
+    if axle == "front":
+        named[Wheel.LATERAL_RATIO] *= front_grip
     return {
         Wheel.BODY: model.body(f"{wheel}_wheel").id,
         Wheel.SPIN: int(model.joint(f"{wheel}_spin").dofadr[0]),
         Wheel.TYRE: _activation(model, f"{wheel}_tyre_x"),
-        **_named(numbers, f"tyre_{axle}", sizes),
+        **named,
     }
 
 

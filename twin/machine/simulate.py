@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
+import mujoco
 import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
@@ -34,6 +36,10 @@ DEPTH_SLOT = block.MACHINE_SLOTS + int(MachineSlot.DEPTH_M)
 DRAFT_SLOT = block.MACHINE_SLOTS + int(MachineSlot.DRAFT_N)
 
 
+def _has_actuator(model: Any, name: str) -> bool:
+    return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name)) >= 0
+
+
 def _expected_draft_n(machine: Machine) -> float:
     scenario = machine.scenario
     if scenario.plough is None:
@@ -53,7 +59,7 @@ class Cab:
         self.ctrl, self.userdata = self.batch.bind("ctrl"), self.batch.bind("userdata")
         self.dt_s = float(model.opt.timestep)
         self.steps = round(DECISION_S / self.dt_s)
-        self.controls = [model.actuator(name).id for name in CONTROLS]
+        self.controls = {n: model.actuator(n).id for n in CONTROLS if _has_actuator(model, n)}
         self.track_m = 2.0 * float(model.body("fl_knuckle").pos[1])
         plough = machine.scenario.plough
         self.task = Task(
@@ -99,21 +105,36 @@ class Cab:
     def act(self) -> dict[Any, NDArray[Any]]:
         """Decide, then run to the next decision; what was recorded after each step."""
         self.hands = drive(self.task, self.hands, self.observe(), DECISION_S)
+        if not self.machine.scenario.course.hold_line:
+            self.hands = replace(self.hands, steer_rad=0.0)
         left, right = ackermann(self.hands.steer_rad, self.task.wheelbase_m, self.track_m)
         levers = self.machine.scenario.drive
-        self.ctrl[0, self.controls] = (
+        values = (
             self.task.throttle, 0.0, 0.0, left, right, self.hands.lift_rad,
             float(levers.differential_lock and self.hands.working), float(levers.all_wheel_drive),
         )  # fmt: skip
+        for name, value in zip(CONTROLS, values, strict=True):
+            if name in self.controls:
+                self.ctrl[0, self.controls[name]] = value
         return self.batch.rollout(self.steps, record=("sensordata", "userdata"))
 
     def finished(self, seen: Observed) -> bool:
         """Whether the course has been driven."""
         course = self.machine.scenario.course
+        if course.edge_m is not None and self._past_edge(seen, course.edge_m):
+            return True
         start = course.approach_m
         if self.task.depth_m is not None:
             start = min(self.hands.full_depth_at_m, start + LOWERING_M)
         return seen.along_m >= start + course.length_m
+
+    def _past_edge(self, seen: Observed, edge_m: float) -> bool:
+        """Whether a corner of the machine is beyond the edge, at either side of the line."""
+        numbers, across = self.machine.numbers, math.sin(seen.heading_rad)
+        half_m = numbers["hull.half_width_m"] * math.cos(seen.heading_rad)
+        ends = (seen.left_m + numbers["hull.front_m"] * across,
+                seen.left_m - numbers["hull.rear_m"] * across)  # fmt: skip
+        return max(max(ends) + half_m, half_m - min(ends)) >= edge_m
 
 
 def simulate(machine: Machine, chunk_decisions: int = CHUNK_DECISIONS) -> Iterator[Trajectory]:

@@ -38,7 +38,7 @@ def unloaded_speed_mps(scenario: Scenario, numbers: dict[str, float]) -> float:
     return rpm * math.pi / 30.0 / drive.gear_ratio * radius_m
 
 
-def settled(model: Any, qpos: Array, name: str) -> tuple[Array, Array]:
+def settled(model: Any, qpos: Array, rotation: Array, name: str) -> tuple[Array, Array]:
     """Where the machine comes to rest with the brakes on and the plough carried.
 
     Returns:
@@ -50,12 +50,33 @@ def settled(model: Any, qpos: Array, name: str) -> tuple[Array, Array]:
     state = mujoco.MjData(model)
     state.qpos[:] = qpos
     for control, value in (("brake", 1.0), ("clutch_pedal", 1.0), ("lift", RAISED_RAD)):
-        state.ctrl[model.actuator(control).id] = value
+        actuator = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, control)
+        if actuator >= 0:
+            state.ctrl[actuator] = value
     mujoco.mj_step(model, state, round(SETTLE_S / model.opt.timestep))
     refuse_warnings(np.array([w.number for w in state.warning]), name, SETTLE_S)
     act = np.array(state.act)
     act[2 * len(block.WHEELS) :] = 0.0
-    return np.array(state.qpos), act
+    return back_on_line(np.array(state.qpos), qpos, rotation), act
+
+
+def back_on_line(settled_qpos: Array, start_qpos: Array, rotation: Array) -> Array:
+    """A settled pose put back to its start's place and heading on the ground. Shape (nq,).
+
+    Height, roll and pitch stay as they have settled; what it slid and turned meanwhile is undone.
+    """
+    place = rotation.T @ settled_qpos[:3]
+    place[:2] = (rotation.T @ start_qpos[:3])[:2]
+    body = np.zeros(9)
+    mujoco.mju_quat2Mat(body, settled_qpos[3:7])
+    ahead = rotation.T @ body.reshape(3, 3)[:, 0]
+    turn = math.atan2(ahead[1], ahead[0])
+    cosine, sine = math.cos(turn), math.sin(turn)
+    undo = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    out = settled_qpos.copy()
+    out[:3] = rotation @ place
+    out[3:7] = quaternion(rotation @ undo @ rotation.T @ body.reshape(3, 3))
+    return out
 
 
 def refuse_warnings(counts: NDArray[Any], name: str, time_s: float) -> None:
@@ -67,12 +88,15 @@ def refuse_warnings(counts: NDArray[Any], name: str, time_s: float) -> None:
 
 
 def standing(
-    model: Any, scenario: Scenario, rotation: Array, hitch: Hitch, work_rad: float
+    model: Any, scenario: Scenario, rotation: Array, hitch: Hitch | None, work_rad: float
 ) -> Array:
     """Standing on the ground at the start of the course, the plough carried. Shape (nq,)."""
     qpos = model.qpos0.copy()
-    qpos[:3] = rotation @ np.array([0.0, 0.0, model.body("tractor").pos[2]])
+    left_m = scenario.course.start_left_m
+    qpos[:3] = rotation @ np.array([0.0, left_m, model.body("tractor").pos[2]])
     qpos[3:7] = quaternion(rotation)
+    if hitch is None:
+        return np.asarray(qpos, dtype=np.float64)
     qpos[model.joint("lift").qposadr[0]] = RAISED_RAD
     if scenario.plough is not None:
         top_m = hitch.top_length_m(work_rad, -work_rad)

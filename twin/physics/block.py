@@ -53,7 +53,7 @@ class Field(IntEnum):
 class Soil(IntEnum):
     """Soil under the wheels and the plough; see twin.scenario.Soil for the meaning."""
 
-    LAW = 0
+    LAW = 0  # its number in twin.soils.LAWS, or that of a user's law
     FRICTION = 1
     CONE_INDEX_KPA = 2
     SLIP_RATE = 3
@@ -66,13 +66,23 @@ class Soil(IntEnum):
     STRENGTH_CV = 10
     ROCKS_PER_M2 = 11
     ROCK_N = 12
-    SIZE = 13
+    K_C = 13  # N/m**(n + 1); from here on Bekker and Wong
+    K_PHI = 14  # N/m**(n + 2)
+    SINKAGE_EXPONENT = 15
+    COHESION_PA = 16
+    TAN_PHI = 17
+    SHEAR_LONG_M = 18
+    SHEAR_LAT_M = 19
+    UNIT_WEIGHT_NPM3 = 20
+    PEAK = 21  # place of the greatest normal stress over the entry angle, and its growth with slip
+    PEAK_SLIP = 22
+    SIZE = 23
 
 
 class Wheel(IntEnum):
     """One wheel: where it is in the model, its size, its springs."""
 
-    BODY = 0
+    BODY = 0  # -1 where there is no wheel
     SPIN = 1  # address of the joint's velocity
     TYRE = 2  # activation of the longitudinal deflection; the lateral one follows
     WIDTH_M = 3
@@ -84,11 +94,12 @@ class Wheel(IntEnum):
     RELAXATION_LONG_M = 9
     RELAXATION_LAT_M = 10
     LATERAL_RATIO = 11
-    SIZE = 12
+    SHEAR_DAMPING_S = 12  # damping of the deflections, over load and relaxation length
+    SIZE = 13
 
 
 class Engine(IntEnum):
-    """Governed diesel and transmission; see models/taishan_1404a/README.md."""
+    """Governed diesel or electric motor, and transmission; see the models' READMEs."""
 
     RATED_TORQUE_NM = 0
     RATED_RPM = 1
@@ -99,11 +110,13 @@ class Engine(IntEnum):
     DROOP_RPM_PER_NM = 6
     PARASITIC_NM = 7
     TRANSMISSION_EFFICIENCY = 8
-    GEAR_RATIO = 9
-    FRONT_RATIO = 10  # turns of the front axle per turn of the rear
-    SHAFT = 11  # address of the drive shaft's velocity, at the rear axle's speed
-    THROTTLE = 12  # address of the control
-    SIZE = 13
+    KIND = 9  # 0 diesel, 1 electric
+    POWER_W = 10  # of an electric motor
+    GEAR_RATIO = 11
+    FRONT_RATIO = 12  # turns of the front axle per turn of the rear
+    SHAFT = 13  # address of the drive shaft's velocity, at the rear axle's speed; -1 without one
+    THROTTLE = 14  # address of the control
+    SIZE = 15
 
 
 class Coupling(IntEnum):

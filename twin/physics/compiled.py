@@ -57,9 +57,13 @@ def cache_folder() -> str:
 
 
 def law(function: Law) -> Law:
-    """Compile a pure function of numbers and arrays (numba.njit), cached by content."""
+    """Compile a pure function of numbers and arrays (numba.njit), cached by content.
+
+    A function from elsewhere is not cached, because the key does not cover its source.
+    """
+    ours = SOURCES in Path(function.__code__.co_filename).parents
     compiled: Law = _with_cache_folder(
-        lambda: numba.njit(cache=True, error_model="numpy")(function)
+        lambda: numba.njit(cache=ours, error_model="numpy")(function)
     )
     return compiled
 

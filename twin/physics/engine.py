@@ -10,6 +10,7 @@ from twin.physics.shapes import Array
 
 MOTORING_NM = 60.0
 """Drag of the unfuelled engine beside its parasitic torque [N m]; assumed."""
+ELECTRIC = 1.0
 STALLED_RPM, FIRING_RPM = 300.0, 500.0
 """A diesel that is pulled below the second loses torque, and below the first has died [rpm]."""
 TURNING_RPM = 50.0
@@ -18,12 +19,18 @@ TURNING_RPM = 50.0
 
 @law
 def full_load_torque_nm(engine: Array, rpm: float) -> float:
-    """Full-load torque: a parabola through peak and rated torque, falling to nothing at a stall.
+    """Full-load torque of a diesel, or the torque limit of an electric motor.
+
+    A diesel's is a parabola through peak and rated torque, and falls to nothing at a stall.
 
     T = T_p - (T_p - T_r) ((n - n_p) / (n_r - n_p))**2 ;  T_p = T_r rise
     times clip((n - 300) / (500 - 300), 0, 1)
+
+    A motor's is T = min(T_r, P / w).
     """
     rated = engine[Engine.RATED_TORQUE_NM]
+    if engine[Engine.KIND] == ELECTRIC:
+        return min(rated, engine[Engine.POWER_W] / max(rpm * math.pi / 30.0, 1e-6))
     peak = rated * engine[Engine.TORQUE_RISE]
     u = (rpm - engine[Engine.PEAK_RPM]) / (engine[Engine.RATED_RPM] - engine[Engine.PEAK_RPM])
     fuelled = min(max((rpm - STALLED_RPM) / (FIRING_RPM - STALLED_RPM), 0.0), 1.0)

@@ -28,6 +28,8 @@ BLEND_M = 0.5
 """Length over which one patch of soil passes into the next [m]: about that of a contact."""
 STRENGTH_LENGTH_M = 3.0
 """Distance between independent values of the soil's strength [m]; assumed."""
+SPREAD = 2.2
+"""Variance of an octave of lattice waves over that of the spectrum it is to give along a line."""
 STRENGTH, RIPPLE, ROCKS, WAVES = 101, 202, 303, 404
 """What is added to the seed so that the fields are independent of each other."""
 
@@ -146,11 +148,13 @@ def wave(seed: float, s_m: float, t_m: float, length_m: float) -> tuple[float, f
 def roughness(field: Array, s_m: float, t_m: float) -> tuple[float, float, float]:
     """Height of a rough ground above its plane, and its slopes, at a place.
 
-    Octaves of random waves with the variance ISO 8608 gives each:
+    Octaves of random waves whose variances go as ISO 8608 gives them:
 
         G_d(n) = G_d(n0) (n / n0)**-2        var[n, 2 n] = G_d(n0) n0**2 / (2 n)
 
-    from 0.0625 to 2 cycles per metre; shorter waves vanish under the tyre's contact.
+    times 2.2, because waves on a lattice spread to longer ones as well. Along any line their sum
+    has G_d within a fifth from 0.08 to 0.8 cycles per metre and fades at both ends: there are no
+    hills, and shorter waves vanish under the tyre's contact.
 
     Returns:
         h, dh/ds, dh/dt.
@@ -162,7 +166,7 @@ def roughness(field: Array, s_m: float, t_m: float) -> tuple[float, float, float
     height = slope_s = slope_t = 0.0
     cycles = 0.0625
     for octave in range(5):
-        sd = scale / math.sqrt(2.0 * cycles)
+        sd = scale * math.sqrt(SPREAD / (2.0 * cycles))
         length_m = 0.5 / (math.sqrt(2.0) * cycles)
         h, h_s, h_t = wave(field[Field.SEED] + WAVES + octave, s, t, length_m)
         height, slope_s, slope_t = height + sd * h, slope_s + sd * h_s, slope_t + sd * h_t
@@ -194,4 +198,8 @@ def soil_at(field: Array, soil: Array, s_m: float, t_m: float, out: Array) -> No
         factor = 1.0 + cv * random_field(field[Field.SEED] + STRENGTH, s, t, STRENGTH_LENGTH_M)
         friction, mobility = friction * factor, mobility * factor
     out[Soil.FRICTION] *= friction
+    out[Soil.COHESION_PA] *= friction
+    out[Soil.TAN_PHI] *= friction
     out[Soil.CONE_INDEX_KPA] *= mobility
+    out[Soil.K_C] *= mobility
+    out[Soil.K_PHI] *= mobility

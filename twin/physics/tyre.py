@@ -6,21 +6,15 @@ import math
 
 from twin.physics import rigid
 from twin.physics.block import Field, PowerSlot, Soil, Wheel, WheelSlot
-from twin.physics.brixius import brixius
 from twin.physics.compiled import law
 from twin.physics.ground import field_axis, furrow, on_ground, soil_at, surface
+from twin.physics.laws import soil_forces
 from twin.physics.shapes import Array, Vector
 
 SIGN_SPEED_MPS = 0.03
 """Speed over which motion resistance changes sign [m/s].
 
 1 % slip at ploughing speed is about half.
-"""
-SHEAR_DAMPING_S = 0.2
-"""Damping of the deflection over load and relaxation length [s]: a parked wheel rings less.
-
-Of the tyre, hence the same on every ground; no steady force. About 0.03 s of the stiffness on firm
-soil; more chatters at 2 ms with the brakes on. Assumed.
 """
 RADIUS_PER_DEFLECTION = 1.0 / 3.0
 """Loss of rolling radius per deflection; a bias tyre's circumference shortens by a third of it."""
@@ -53,7 +47,9 @@ def relaxed_shear(
 
     In steady state u / L is the slip of the law's own definition; at rest u is a spring, so a
     parked wheel sticks. The force is taken at the end of the step (u + dt du/dt), which keeps the
-    pair velocity-deflection from gaining energy. |F| stays within the law's own ceiling.
+    pair velocity-deflection from gaining energy. The damper takes |F| no further than N mu, or than
+    the law's own force where that is more. The law is asked for a wheel that rolls forwards; one
+    that rolls backwards has its forces turned round.
 
     Returns:
         shear_x_n, shear_y_n, resistance_n, rolling_moment_n, sinkage_m, rate_x, rate_y [m/s].
@@ -63,9 +59,11 @@ def relaxed_shear(
     rate_x = (spin_mps - roll_mps) - travel * u_x / long_m
     rate_y = -side_mps - travel * u_y / lat_m
     slip, side_slip = (u_x + dt_s * rate_x) / long_m, (u_y + dt_s * rate_y) / lat_m
-    x, y, resistance, rolling, sinkage = brixius(soil, wheel, load_n, slip, side_slip)
-    ceiling = load_n * soil[Soil.FRICTION]
-    damping = load_n * SHEAR_DAMPING_S
+    way = 1.0 if spin_mps + roll_mps >= 0.0 else -1.0
+    x, y, resistance, rolling, sinkage = soil_forces(soil, wheel, load_n, way * slip, side_slip)
+    x *= way
+    ceiling = max(load_n * soil[Soil.FRICTION], math.sqrt(x * x + y * y))
+    damping = load_n * wheel[Wheel.SHEAR_DAMPING_S]
     x += damping / long_m * rate_x
     y += damping * wheel[Wheel.LATERAL_RATIO] / lat_m * rate_y
     size = math.sqrt(x * x + y * y)
@@ -104,11 +102,12 @@ def wall_force(field: Array, wheel: Array, s_m: float, t_m: float, side_mps: flo
 
 @law
 def contact_shift_m(wheel: Array, camber_tangent: float, deflection_m: float) -> float:
-    """How far the load's centre moves along the axle, towards its raised end, on a leaning tyre.
+    """How far the load's centre moves along the axle of a leaning tyre, positive to the left.
 
         e = -tan(gamma) b**2 / (12 delta)     within a quarter of the width
 
-    The centre of a pressure that grows linearly across the tread.
+    The centre of a pressure that grows linearly across the tread, towards the lower end of the
+    axle; tan(gamma) is positive with its left end raised.
     """
     width = wheel[Wheel.WIDTH_M]
     shift = -camber_tangent * width * width / (12.0 * deflection_m)

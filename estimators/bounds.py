@@ -1,0 +1,319 @@
+"""The smallest error that slip and sideslip can have, given the sensors and the motion.
+
+For a linear Gaussian model the posterior Cramer-Rao bound is the covariance of the Riccati equation:
+of the filter for a causal estimator, of the smoother for one that works offline. The model here is
+the best there can be of a motion that was driven: a vector autoregression fitted to the truth
+itself, so no estimator that has to guess at the motion can know it better.
+
+Errors that are constant over a run (radius, mounting angle, bias) are left out: score the bias apart.
+
+Source: Tichavsky, Muravchik and Nehorai 1998, IEEE Trans. SP 46, 1386; Rauch, Tung and Striebel 1965.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.streams import Setup, Streams, Table
+
+Array = NDArray[np.float64]
+
+ORDER = 10
+"""Order of the autoregression: 0.2 s at 50 Hz, the phase of a 2 Hz pitching."""
+SETTLE_STEPS = 4000
+"""No more steps than this until the covariance is steady."""
+ACCEL_BIAS_PSD = 1e-8
+"""A bias that is all but constant [m2/s5]."""
+DRIFT = 1e-4
+"""Variance per second by which v and s are let drift, so that their covariance is steady."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bound:
+    """Standard deviations no unbiased estimator is better than; NaN where the sensors tell nothing."""
+
+    slip_causal: float
+    """Slip, with what has arrived."""
+    slip_offline: float
+    """Slip, with everything there will be."""
+    speed_causal_mps: float
+    """Ground speed, with what has arrived."""
+    sideslip_causal_rad: float
+    """Sideslip angle at the rear axle, with what has arrived."""
+    sideslip_offline_rad: float
+    """Sideslip angle, with everything."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class System:
+    """x' = F x + w, w ~ Q;  z = H x + noise of variance r, per step."""
+
+    transition: Array
+    process: Array
+    rows: Array
+    """Shape (measurements, states)."""
+    variances: Array
+    """Shape (measurements,)."""
+
+
+def bound(
+    setup: Setup, streams: Streams, truth: Table, window_s: tuple[float, float]
+) -> Bound:
+    """The bounds of a run.
+
+    Args:
+        setup: what the sensors are said to be.
+        streams: which sensors there are, how late and how often; their noise is the set-up's, the
+            accelerometer's what the truth shows, as no data sheet knows the engine.
+        truth: speed_mps, slip and v_y_rear_mps at a steady rate; with the angles of the wheels
+            against the body, where it has them, the wheels' errors under changing load.
+        window_s: the part of the run that counts.
+    """
+    time = truth["epoch_ns"] * 1e-9
+    inside = (time >= window_s[0]) & (time <= window_s[1])
+    if inside.sum() < 20 * ORDER:
+        raise ValueError(f"{inside.sum()} samples are too few for a bound; {20 * ORDER} would do")
+    step_s = float(np.median(np.diff(time)))
+    part = {name: column[inside] for name, column in truth.items()}
+    motion = _motion(part, setup, step_s)
+    system = _along(setup, streams, part, motion, step_s, truth)
+    slip_at, speed_at = 2 * ORDER + 1, 2 * ORDER
+    causal, offline = _solve(system) if len(system.rows) else (_unknown(system), _unknown(system))
+    mean_speed = max(float(np.mean(np.abs(part["speed_mps"]))), 0.05)
+    across = _across(setup, streams, part, step_s)
+    side = _solve(across) if across is not None else (np.full((1, 1), np.nan),) * 2
+    unseen = float(np.var(motion.unseen))
+    return Bound(
+        slip_causal=float(np.sqrt(causal[slip_at, slip_at] + unseen)),
+        slip_offline=float(np.sqrt(offline[slip_at, slip_at] + unseen)),
+        speed_causal_mps=float(np.sqrt(causal[speed_at, speed_at])),
+        sideslip_causal_rad=float(np.sqrt(side[0][-1, -1])) / mean_speed,
+        sideslip_offline_rad=float(np.sqrt(side[1][-1, -1])) / mean_speed,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Motion:
+    slip: Array
+    """Slip of the wheels against the body: what counters can show."""
+    unseen: Array
+    """What the load does to the driven radius, in slip; no sensor shows it."""
+    skid: Array
+    """Relative error of the towed wheels' travel, its mean taken out."""
+
+
+def _motion(part: Table, setup: Setup, step_s: float) -> _Motion:
+    slip = np.asarray(part["slip"], np.float64)
+    none = np.zeros_like(slip)
+    angles = [f"joint_{w}_spin_rad" for w in ("fl", "fr", "rl", "rr")]
+    if setup.wheels is None or any(a not in part for a in angles) or setup.driven != ("rl", "rr"):
+        return _Motion(slip=slip, unseen=none, skid=none)
+    rims = [
+        setup.wheels.radius_m[a[6:8]] * np.gradient(np.asarray(part[a], np.float64), step_s)
+        for a in angles
+    ]
+    front, rear = 0.5 * (rims[0] + rims[1]), 0.5 * (rims[2] + rims[3])
+    speed, wheel = part["speed_mps"], part["wheel_speed_mps"]
+    against_body = 1.0 - speed / np.maximum(rear, 0.05)
+    turned = setup.wheels.radius_m["rl"] * _pitch_rate(part, step_s)
+    unseen = slip - (1.0 - speed / np.maximum(rear + turned, 0.05))
+    skid = (front + turned) / np.maximum(speed, 0.05) - 1.0
+    kept = np.abs(wheel) > 0.3
+    return _Motion(
+        slip=against_body, unseen=_centred(unseen[kept]), skid=np.where(kept, _centred(skid), 0.0)
+    )
+
+
+def _pitch_rate(part: Table, step_s: float) -> Array:
+    """Rate of nosing down from the attitude [rad/s]."""
+    up = 2.0 * (part["qx"] * part["qz"] - part["qw"] * part["qy"])
+    return np.asarray(np.gradient(-np.arcsin(np.clip(up, -1.0, 1.0)), step_s))
+
+
+def _centred(values: Array) -> Array:
+    return np.asarray(values - np.mean(values))
+
+
+def _along(
+    setup: Setup, streams: Streams, part: Table, motion: _Motion, step_s: float, truth: Table
+) -> System:
+    """States: ORDER past increments of (v, s), v, s, past v, travels, accelerometer bias, skid."""
+    speed = np.asarray(part["speed_mps"], np.float64)
+    late = {s: _late_steps(streams, s, step_s) for s in ("gnss", "imu")}
+    past = max(late["gnss"], 1)
+    v, s = 2 * ORDER, 2 * ORDER + 1
+    rear, front, bias, skid = (2 * ORDER + 2 + past + i for i in range(4))
+    size = skid + 1
+    f, q = np.zeros((size, size)), np.zeros((size, size))
+    weights, noise = _autoregression(np.diff(np.stack([speed, motion.slip], 1), axis=0))
+    f[:2, : 2 * ORDER], q[:2, :2] = weights, noise
+    f[2 : 2 * ORDER, : 2 * ORDER - 2] = np.eye(2 * ORDER - 2)
+    for state, increment in ((v, 0), (s, 1)):
+        f[state, : 2 * ORDER] = weights[increment]
+        f[state, state] = 1.0
+        for other, j in ((v, 0), (s, 1)):
+            q[state, other] = noise[increment, j]
+        q[state, :2] = q[:2, state] = noise[increment]
+    f[s + 1, v] = 1.0
+    f[s + 2 : s + 1 + past, s + 1 : s + past] = np.eye(past - 1)
+    mean_v, mean_s = float(np.mean(speed)), float(np.mean(motion.slip))
+    ratio = 1.0 / max(1.0 - mean_s, 0.05)
+    f[rear, [rear, v, s]] = 1.0, step_s * ratio, step_s * mean_v * ratio**2
+    f[front, [front, v, skid]] = 1.0, step_s, step_s * mean_v
+    f[bias, bias], q[bias, bias] = 1.0, ACCEL_BIAS_PSD * step_s
+    f[skid, skid], q[skid, skid] = _gauss_markov(motion.skid)
+    q += np.eye(size) * 1e-14
+    rows, variances = [], []
+
+    def measure(at: dict[int, float], variance: float) -> None:
+        row = np.zeros(size)
+        for state, weight in at.items():
+            row[state] = weight
+        rows.append(row)
+        variances.append(variance)
+
+    if setup.gnss is not None and "gnss" in streams and len(streams["gnss"]["epoch_ns"]):
+        per_step = step_s / _period_s(streams, "gnss")
+        measure({s + past if late["gnss"] else v: 1.0}, setup.gnss.velocity_sd_mps**2 / per_step)
+    if "imu" in streams and "accel_x_mps2" in streams["imu"]:
+        at = 2 * min(late["imu"], ORDER - 1)
+        measure({at: 1.0 / step_s, bias: 1.0}, _accel_var(streams, truth, part))
+    for state, pair in ((front, ("fl", "fr")), (rear, ("rl", "rr"))):
+        variance = _travel_var(setup, streams, pair)
+        if np.isfinite(variance):
+            measure({state: 1.0}, variance)
+        elif f"speed_{pair[0]}_mps" in streams.tables.get("wheels", {}):
+            sd = float(np.nanmedian(streams.column("wheels", "speed_sd_mps")))
+            sd = sd if np.isfinite(sd) else 0.05
+            scale = {v: 1.0, skid: mean_v} if state == front else {v: ratio, s: mean_v * ratio**2}
+            measure(scale, sd**2)
+    return System(
+        transition=f, process=q, rows=np.reshape(rows, (-1, size)), variances=np.array(variances)
+    )
+
+
+def _across(setup: Setup, streams: Streams, part: Table, step_s: float) -> System | None:
+    """States: past increments of v_y, v_y now and before."""
+    if setup.gnss is None or "gnss" not in streams or "v_y_rear_mps" not in part:
+        return None
+    if "heading_rad" not in streams["gnss"]:
+        return None
+    past = max(_late_steps(streams, "gnss", step_s), 1)
+    v_y = np.asarray(part["v_y_rear_mps"], np.float64)
+    weights, noise = _autoregression(np.diff(v_y)[:, None])
+    size = ORDER + past + 1
+    now = size - 1
+    f, q = np.zeros((size, size)), np.zeros((size, size))
+    f[0, :ORDER], q[0, 0] = weights[0], noise[0, 0]
+    f[1:ORDER, : ORDER - 1] = np.eye(ORDER - 1)
+    f[now, :ORDER], f[now, now] = weights[0], 1.0
+    q[now, now] = q[0, now] = q[now, 0] = noise[0, 0]
+    f[ORDER, now] = 1.0
+    f[ORDER + 1 : ORDER + past, ORDER : ORDER + past - 1] = np.eye(past - 1)
+    row = np.zeros((1, size))
+    row[0, ORDER + past - 1] = 1.0
+    speed = float(np.mean(np.abs(part["speed_mps"])))
+    variance = setup.gnss.velocity_sd_mps**2 + (speed * setup.gnss.heading_sd_rad) ** 2
+    variance *= _period_s(streams, "gnss") / step_s
+    return System(
+        transition=f,
+        process=q + np.eye(size) * 1e-14,
+        rows=row,
+        variances=np.array([variance]),
+    )
+
+
+def _autoregression(steps: Array) -> tuple[Array, Array]:
+    """Least-squares weights of the last ORDER steps, and covariance of what they leave.
+
+    Returns:
+        weights: (m, ORDER m), newest first. residual: (m, m).
+    """
+    m = steps.shape[1]
+    past = np.concatenate([steps[ORDER - 1 - i : len(steps) - 1 - i] for i in range(ORDER)], axis=1)
+    now = steps[ORDER:]
+    ridge = 1e-9 * np.eye(past.shape[1]) * max(float(np.mean(past**2)), 1e-18)
+    weights = np.linalg.solve(past.T @ past + ridge * len(past), past.T @ now).T
+    left = now - past @ weights.T
+    return weights, left.T @ left / len(left) + np.eye(m) * 1e-16
+
+
+def _gauss_markov(values: Array) -> tuple[float, float]:
+    """Step-to-step factor and noise variance of a first-order process like these values."""
+    variance = float(np.var(values))
+    if variance <= 0.0:
+        return 0.0, 0.0
+    factor = float(np.mean(values[1:] * values[:-1]) / variance)
+    factor = min(max(factor, 0.0), 0.99999)
+    return factor, variance * (1.0 - factor**2)
+
+
+def _late_steps(streams: Streams, sensor: str, step_s: float) -> int:
+    """By how many steps a sample arrives later than the wheels' of the same epoch."""
+    if sensor not in streams or not len(streams[sensor]["epoch_ns"]):
+        return 0
+    late = np.median(streams[sensor]["arrival_ns"] - streams[sensor]["epoch_ns"]) * 1e-9
+    return int(np.floor(float(late) / step_s))
+
+
+def _period_s(streams: Streams, sensor: str) -> float:
+    return float(np.median(np.diff(streams[sensor]["epoch_ns"]))) * 1e-9
+
+
+def _travel_var(setup: Setup, streams: Streams, pair: tuple[str, str]) -> float:
+    """Variance of the mean travel two counters show, rounding alone: (2 pi R / N)^2 / 24."""
+    table = streams.tables.get("wheels", {})
+    counted = [w for w in pair if f"ticks_{w}" in table]
+    if not counted or setup.wheels is None or not setup.wheels.counts_per_turn:
+        return np.nan
+    per_tick = 2.0 * np.pi * setup.wheels.radius_m[counted[0]] / setup.wheels.counts_per_turn
+    return float(per_tick**2 / 12.0 / len(counted))
+
+
+def _accel_var(streams: Streams, truth: Table, part: Table) -> float:
+    """White part of what the accelerometer is off by: E (e_k - 2 e_k-1 + e_k-2)^2 / 6."""
+    imu = streams["imu"]
+    start = truth["epoch_ns"][0]
+    time = (truth["epoch_ns"] - start) * 1e-9
+    at = (imu["epoch_ns"] - start) * 1e-9
+    motion = np.interp(at, time, np.gradient(np.asarray(truth["speed_mps"], np.float64), time))
+    first, last = (part["epoch_ns"][i] for i in (0, -1))
+    inside = (imu["epoch_ns"] >= first) & (imu["epoch_ns"] <= last)
+    error = (np.asarray(imu["accel_x_mps2"], np.float64) - motion)[inside]
+    second = error[2:] - 2.0 * error[1:-1] + error[:-2]
+    return max(float(np.nanmean(second**2)) / 6.0, 1e-8)
+
+
+def _unknown(system: System) -> Array:
+    return np.full(system.transition.shape, np.nan)
+
+
+def _solve(system: System) -> tuple[Array, Array]:
+    """Steady covariances of filter and smoother.
+
+    P- = F P F^T + Q,  K = P- H^T (H P- H^T + R)^-1,  P = (I - K H) P-
+    G  = P F^T (P-)^-1,  P_s = P + G (P_s - P-) G^T
+    """
+    f, q, h, r = system.transition, system.process, system.rows, np.diag(system.variances)
+    after = np.eye(len(f)) * 0.01
+    before = after
+    for _ in range(SETTLE_STEPS):
+        before = f @ after @ f.T + q
+        gain = np.linalg.solve(h @ before @ h.T + r, h @ before).T
+        last = after
+        shrink = np.eye(len(f)) - gain @ h
+        after = shrink @ before @ shrink.T + gain @ r @ gain.T
+        after = 0.5 * (after + after.T)
+        if np.allclose(np.diag(after), np.diag(last), rtol=1e-6, atol=0.0):
+            break
+    back = np.linalg.solve(before + 1e-15 * np.eye(len(f)), f @ after).T
+    smoothed = after
+    for _ in range(SETTLE_STEPS):
+        last = smoothed
+        smoothed = after + back @ (smoothed - before) @ back.T
+        if np.allclose(np.diag(smoothed), np.diag(last), rtol=1e-6, atol=1e-14):
+            break
+    return after, smoothed

@@ -1,0 +1,122 @@
+"""Slip as a state: an extended Kalman filter of all streams, and its offline twin.
+
+Source of the structure: slip as a state beside the speed it couples to (Berntorp 2016, IEEE TCST 24,
+1020; Kilic et al. 2021, RA-L); the gate of chi-square; gravity's leak and the radius as states.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators import signals
+from estimators.estimate import ROW
+from estimators.slip_ekf.filter import TUNING, loop
+from estimators.slip_ekf.layout import MEMORY
+from estimators.slip_ekf.raised import Lift, lifted, start
+from twin.streams import ESTIMATES, Setup, Streams, Table
+
+
+@dataclass(frozen=True)
+class State:
+    """State between chunks; a plain value."""
+
+    reader: signals.Reader
+    lift: Lift
+    tuning: NDArray[Any]
+    """One record of `filter.TUNING`."""
+    memory: NDArray[Any]
+    """One record of `layout.MEMORY`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlipEkf:
+    """Ground speed, slip of the driven axle and of each wheel, sideslip, each with its sd.
+
+    The state and how it moves: `model`; the rows and when they are refused: `filter`, `rows`. Ticks
+    are taken as travel, whose rounding does not add up, and not as speeds, whose rounding does.
+    GNSS meets the speed of its own epoch, v - a age. Defaults are from physics and from other seeds
+    than the tests'.
+    """
+
+    jerk_psd: float = 0.3
+    """Density of the white jerk [m2/s5]."""
+    accel_tau: float = 2.0
+    """Time over which an acceleration is forgotten [s]."""
+    slip_psd: float = 0.03
+    """Density of the white noise on the slip's rate [1/s3]."""
+    slip_tau: float = 0.3
+    """Time over which a slip rate is forgotten [s]."""
+    bias_sd: float = 0.3
+    """sd of the accelerometer's bias beside the data sheet's: 2 degrees of mean pitch [m/s2]."""
+    bias_psd: float = 5e-4
+    """Density of its walk, as the slope changes [m2/s5]."""
+    radius_sd: float = 0.01
+    """sd of the driven wheels' mean radius error: tyre pressure, wear, load."""
+    radius_psd: float = 1e-9
+    """Density of its walk [1/s]."""
+    skid_sd: float = 0.02
+    """sd of the towed wheels' error: radius, and skid under their motion resistance."""
+    skid_psd: float = 1e-7
+    """Density of its walk [1/s]."""
+    quick_skid_sd: float = 0.003
+    """sd of its quick part, as the load changes."""
+    quick_radius_sd: float = 0.003
+    """sd of the driven radius's quick part."""
+    quick_tau: float = 0.3
+    """Correlation time of the quick parts [s]."""
+    late_sd: float = 0.02
+    """sd of the receiver's error in its own time stamps [s]."""
+    gate: float = 3.5
+    """A ground speed further off than this many sd is refused."""
+    patience: float = 0.6
+    """But not for longer than this [s]."""
+    zero_slip: float = 0.003
+    """Slip with the plough out of the ground; 0.2-0.9 % pull nothing."""
+    zero_slip_sd: float = 0.02
+    """Its sd in one of 50 samples a second, 0.4 % over some seconds."""
+    unload: float = -0.006
+    """Change of the counted over the true driven speed when the plough goes down: each rear wheel
+    loses about 7 kN, and its radius grows by about 0.75 %."""
+    unload_sd: float = 0.003
+    """sd of that."""
+    v_y_psd: float = 4e-4
+    """Density of the walk of the velocity across the body [m2/s3]."""
+    mount_sd: float = 0.00175
+    """sd of the antennas' mounting angle, 0.1 degree [rad]."""
+    accel_floor_sd: float = 0.01
+    """No accelerometer is better than this [m/s2]."""
+
+    def init(self, setup: Setup) -> State:
+        """The state before the first sample."""
+        tuning = np.zeros(1, TUNING)
+        for field in dataclasses.fields(self):
+            tuning[field.name] = getattr(self, field.name)
+        memory = np.zeros(1, MEMORY)
+        for name in MEMORY.names or ():
+            if name.endswith("_ns"):
+                memory[name] = -1
+        memory["first_mps"] = np.nan
+        return State(signals.start(setup), start(setup), tuning, memory)
+
+    def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
+        """The state after the chunk, and an estimate for each of its wheel samples."""
+        reader, samples = signals.read(state.reader, chunk)
+        lift, raised = lifted(state.lift, chunk)
+        memory = state.memory.copy()
+        rows = np.zeros(len(samples), ROW)
+        for name in ESTIMATES:
+            if ROW[name].kind == "f":
+                rows[name] = np.nan
+        count = 0
+        if len(rows):
+            count = loop(samples, raised, reader.nominal[0], state.tuning[0], memory[0], rows)
+        table = {name: np.ascontiguousarray(rows[name][:count]) for name in ESTIMATES}
+        return State(reader, lift, state.tuning, memory), table
+
+
+SLIP_EKF = SlipEkf()

@@ -1,0 +1,66 @@
+"""The named state of the filter, its constants, and what it carries from sample to sample."""
+
+from __future__ import annotations
+
+import numpy as np
+
+V, A, ACCEL_BIAS, S, DS, RADIUS, REAR_TRAVEL = range(7)
+"""Ground speed [m/s], its acceleration, the accelerometer's bias with gravity's leak [m/s2], slip of
+the driven axle, its rate [1/s], error of the driven wheels' radius, and their travel less what has
+been counted [m]."""
+SKID, QUICK_SKID, FRONT_TRAVEL, WHEEL_BIAS, LATE, QUICK_RADIUS = range(7, 13)
+"""Slow and quick error of the front wheels' travel over the ground's, their travel less what has
+been counted [m], bias of a wheel accelerometer [m/s2], time by which GNSS is later than it
+says [s], quick error of the driven radius under changing load."""
+SIZE = 13
+
+GATED = 8
+"""Flag: a speed was refused since the last estimate: it was further off than its sd allows."""
+RAISED = 16
+"""Flag: the zero condition holds: the plough is out of the ground, so the axle hardly slips."""
+NO_FRONT = 32
+"""Flag: no towed wheel has been counted for a second."""
+NO_IMU = 64
+"""Flag: no acceleration for a second."""
+ONE_WHEEL = 128
+"""Flag: the driven wheels disagree more than turning explains; one of them is taken alone."""
+
+MEMORY = np.dtype(
+    [
+        ("time_ns", "i8"),
+        ("measured_ns", "i8"),
+        ("imu_ns", "i8"),
+        ("front_ns", "i8"),
+        ("refused_ns", "i8", 3),
+        ("flags", "i8"),
+        ("known", "i8"),
+        ("raised", "i8"),
+        ("rear_ns", "i8"),
+        ("rear_spans", "i8"),
+        ("front_spans", "i8"),
+        ("x", "f8", SIZE),
+        ("cov", "f8", (SIZE, SIZE)),
+        ("first_mps", "f8"),
+        ("first_var", "f8"),
+        ("accel", "f8", 2),
+        ("accel_count", "i8"),
+        ("accel_var", "f8"),
+        ("apart_mps", "f8"),
+        ("pitch_rad", "f8"),
+        ("pitch_rate", "f8"),
+        ("pitch_accel", "f8"),
+        ("pitch_held_rad", "f8"),
+        ("v_y", "f8"),
+        ("v_y_var", "f8"),
+        ("v_y_ns", "i8"),
+        ("travelled_m", "f8"),
+        ("nis_sum", "f8", 4),
+        ("nis_count", "i8", 4),
+        ("refused", "i8", 4),
+    ],
+    align=True,
+)
+"""A plain value. `*_spans` is 1 while the counted travel has an unbroken origin; `first_*` is the
+ground speed before the filter has begun, `accel` the last two accelerations and `accel_var` the
+variance of their noise, `apart` the driven wheels' speeds right less left, `pitch_*` how the body has turned nose down, and had at the last wheel sample, `travelled` the way since
+sideslip is summed; `nis_*` and `refused` count for GNSS, IMU, front and rear, in this order."""

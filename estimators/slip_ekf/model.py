@@ -1,0 +1,175 @@
+"""How the state moves, and the rows that measure it.
+
+    dv = a dt                         da = white (jerk)
+    ds = s' dt                        ds' = -s' / tau + white
+    d rear travel  = w (1 + radius + quick radius) dt,   w = v / (1 - s)
+    d front travel = v (1 + skid + quick skid) dt
+
+A wheel that turns slower than the ground passes (s < 0) has w = v (1 + s): the two definitions of
+slip that the denominator max(|w|, |v|) joins, with one value and one slope at s = 0.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from estimators.compiled import compiled
+from estimators.kalman import Array, Record
+from estimators.slip_ekf.layout import (
+    A,
+    ACCEL_BIAS,
+    DS,
+    FRONT_TRAVEL,
+    LATE,
+    QUICK_RADIUS,
+    QUICK_SKID,
+    RADIUS,
+    REAR_TRAVEL,
+    S,
+    SIZE,
+    SKID,
+    V,
+    WHEEL_BIAS,
+)
+
+LARGEST_SLIP = 0.97
+"""Slip is kept below this, so that the wheel's speed stays finite."""
+
+
+@compiled
+def gearing(slip: float) -> tuple[float, float]:
+    """w / v and its derivative with respect to slip: 1/(1-s), 1/(1-s)^2; 1+s, 1 where s < 0."""
+    if slip < 0.0:
+        return 1.0 + max(slip, -LARGEST_SLIP), 1.0
+    grip = 1.0 - min(slip, LARGEST_SLIP)
+    return 1.0 / grip, 1.0 / grip**2
+
+
+@compiled
+def _mix(p: Array, target: int, source: Array) -> None:
+    """P <- E P E^T for E the identity with the row `target` replaced by it plus `source`."""
+    for j in range(SIZE):
+        total = 0.0
+        for k in range(SIZE):
+            if source[k] != 0.0:
+                total += source[k] * p[k, j]
+        p[target, j] += total
+    for i in range(SIZE):
+        total = 0.0
+        for k in range(SIZE):
+            if source[k] != 0.0:
+                total += p[i, k] * source[k]
+        p[i, target] += total
+
+
+@compiled
+def _fade(x: Array, p: Array, i: int, by: float, variance: float) -> None:
+    """A Gauss-Markov state: x_i <- by x_i, and the noise that keeps its variance."""
+    x[i] *= by
+    for j in range(SIZE):
+        p[i, j] *= by
+    for j in range(SIZE):
+        p[j, i] *= by
+    p[i, i] += variance * (1.0 - by * by)
+
+
+@compiled
+def carry(x: Array, p: Array, dt: float, tuning: Record) -> None:
+    """Predict over a step. The couplings are few, so P <- F P F^T goes row by row.
+
+    Args:
+        x: mean, (SIZE,), changed in place.
+        p: covariance, (SIZE, SIZE), changed in place.
+        dt: the step [s].
+        tuning: record of `filter.TUNING`.
+    """
+    half = 0.5 * dt
+    v, s = x[V] + half * x[A], x[S] + half * x[DS]
+    ratio, slope = gearing(s)
+    driven = 1.0 + x[RADIUS] + x[QUICK_RADIUS]
+    towed = 1.0 + x[SKID] + x[QUICK_SKID]
+    row = np.zeros(SIZE)
+    row[V], row[A] = dt * ratio * driven, dt * half * ratio * driven
+    row[S], row[DS] = dt * v * slope * driven, dt * half * v * slope * driven
+    row[RADIUS] = row[QUICK_RADIUS] = dt * v * ratio
+    _mix(p, REAR_TRAVEL, row)
+    row[:] = 0.0
+    row[V], row[A] = dt * towed, dt * half * towed
+    row[SKID] = row[QUICK_SKID] = dt * v
+    _mix(p, FRONT_TRAVEL, row)
+    row[:] = 0.0
+    row[A] = dt
+    _mix(p, V, row)
+    row[:] = 0.0
+    row[DS] = dt
+    _mix(p, S, row)
+    x[REAR_TRAVEL] += dt * v * ratio * driven
+    x[FRONT_TRAVEL] += dt * v * towed
+    x[V] += dt * x[A]
+    x[S] = max(-LARGEST_SLIP, min(LARGEST_SLIP, x[S] + dt * x[DS]))
+    _fade(x, p, A, math.exp(-dt / tuning.accel_tau), 0.0)
+    _fade(x, p, DS, math.exp(-dt / tuning.slip_tau), 0.0)
+    _fade(x, p, QUICK_SKID, math.exp(-dt / tuning.quick_tau), tuning.quick_skid_sd**2)
+    _fade(x, p, QUICK_RADIUS, math.exp(-dt / tuning.quick_tau), tuning.quick_radius_sd**2)
+    _integrated(p, V, A, tuning.jerk_psd, dt)
+    _integrated(p, S, DS, tuning.slip_psd, dt)
+    p[ACCEL_BIAS, ACCEL_BIAS] += tuning.bias_psd * dt
+    p[WHEEL_BIAS, WHEEL_BIAS] += tuning.bias_psd * dt
+    p[RADIUS, RADIUS] += tuning.radius_psd * dt
+    p[SKID, SKID] += tuning.skid_psd * dt
+    p[LATE, LATE] += 1e-9 * dt
+
+
+@compiled
+def _integrated(p: Array, low: int, high: int, psd: float, dt: float) -> None:
+    """White noise of density `psd` on state `high`, integrated into state `low`."""
+    p[high, high] += psd * dt
+    p[low, low] += psd * dt**3 / 3.0
+    p[low, high] += psd * dt * dt / 2.0
+    p[high, low] += psd * dt * dt / 2.0
+
+
+@compiled
+def ground_row(x: Array, age: float, h: Array) -> float:
+    """GNSS of `age` ago: v - a (age + late)."""
+    lag = age + x[LATE]
+    h[:] = 0.0
+    h[V], h[A], h[LATE] = 1.0, -lag, -x[A]
+    return float(x[V] - lag * x[A])
+
+
+@compiled
+def rear_row(x: Array, age: float, h: Array) -> float:
+    """Speed of the driven wheels as their nominal radius gives it, `age` ago."""
+    h[:] = 0.0
+    v, s = x[V] - age * x[A], x[S] - age * x[DS]
+    ratio, slope = gearing(s)
+    scale = 1.0 + x[RADIUS] + x[QUICK_RADIUS]
+    h[V], h[A] = ratio * scale, -age * ratio * scale
+    h[S], h[DS] = v * slope * scale, -age * v * slope * scale
+    h[RADIUS] = h[QUICK_RADIUS] = v * ratio
+    return float(v * ratio * scale)
+
+
+@compiled
+def front_row(x: Array, age: float, h: Array) -> float:
+    """Speed of the towed wheels as their nominal radius gives it, `age` ago."""
+    h[:] = 0.0
+    v = x[V] - age * x[A]
+    scale = 1.0 + x[SKID] + x[QUICK_SKID]
+    h[V], h[A], h[SKID], h[QUICK_SKID] = scale, -age * scale, v, v
+    return float(v * scale)
+
+
+@compiled
+def wheel_accel_row(x: Array, h: Array) -> float:
+    """Acceleration of the driven wheels' rim: dw/dt + bias, dw/dt = a w/v + v (dw/ds)/v s'."""
+    h[:] = 0.0
+    ratio, slope = gearing(x[S])
+    steeper = 2.0 * slope * ratio if x[S] >= 0.0 else 0.0
+    h[V], h[A] = slope * x[DS], ratio
+    h[S] = x[A] * slope + x[V] * steeper * x[DS]
+    h[DS], h[WHEEL_BIAS] = x[V] * slope, 1.0
+    return float(x[A] * ratio + x[V] * slope * x[DS] + x[WHEEL_BIAS])

@@ -1,0 +1,60 @@
+"""The zero condition: when is the plough out of the ground?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.streams import COLUMNS, Setup, Streams
+
+CLEAR_M = -0.05
+"""Out of the ground: the shares are this much above it."""
+DOWN_M = 0.03
+"""In the ground. Between the two, and before any sample, nothing is known."""
+USED = ("gnss", "imu", "wheels")
+
+
+@dataclass(frozen=True)
+class Lift:
+    """What is known of the plough's height."""
+
+    zero_m: float
+    """Laser range at depth zero, NaN without a depth sensor."""
+    raised: float = np.nan
+    """1 out of the ground, 0 in it, NaN unknown or between."""
+
+
+def start(setup: Setup) -> Lift:
+    """Nothing known yet."""
+    return Lift(setup.depth.zero_m if setup.depth else np.nan)
+
+
+def lifted(lift: Lift, chunk: Streams) -> tuple[Lift, NDArray[np.float64]]:
+    """Whether the plough was out of the ground as far as known when each sample arrived.
+
+    depth = zero - laser cos(inclination)
+
+    Returns:
+        What is known after the chunk, and one value per sample of GNSS, IMU and wheels in order of
+        arrival: 1 out of the ground, 0 in it, NaN unknown.
+    """
+    used = Streams({s: chunk[s] for s in (*USED, "depth") if s in chunk})
+    if "depth" not in used or not len(used["depth"]["epoch_ns"]):
+        count = sum(len(chunk[s]["epoch_ns"]) for s in USED if s in chunk)
+        return lift, np.full(count, lift.raised)
+    cosine = np.cos(np.nan_to_num(used.column("depth", "inclination_rad")))
+    depth_m = lift.zero_m - used.column("depth", "laser_m") * cosine
+    sensor, row = used.merge_order()
+    known = np.full(len(sensor) + 1, np.nan)
+    known[0] = lift.raised
+    told = np.zeros(len(known), bool)
+    told[0] = True
+    at = 1 + np.flatnonzero(sensor == tuple(COLUMNS).index("depth"))
+    depth_m = depth_m[row[at - 1]]
+    told[at] = np.isfinite(depth_m)
+    known[at] = np.where(depth_m < CLEAR_M, 1.0, np.where(depth_m > DOWN_M, 0.0, np.nan))
+    known = known[np.maximum.accumulate(np.where(told, np.arange(len(known)), 0))][1:]
+    kept = known[sensor != tuple(COLUMNS).index("depth")]
+    return replace(lift, raised=float(known[-1])), kept

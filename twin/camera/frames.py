@@ -1,0 +1,100 @@
+"""Frames, drawn or read when asked for, and saved as PNG."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.camera.image import Sensitivity, develop
+from twin.camera.pinhole import Pinhole, View
+from twin.camera.planar import planar
+from twin.camera.renderer import Renderer
+from twin.errors import BadInput
+from twin.streams import Frames
+
+Image = NDArray[np.uint8]
+
+NAME = "frame_{:08d}.png"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Film:
+    """A camera over the ground of a seed: what makes a frame of a view."""
+
+    lens: Pinhole
+    pixel: Sensitivity
+    seed: int
+    height_m: float
+    """About how high the camera is, which sets the finest texel [m]."""
+    drawn_by: Renderer | None = None
+    """None is the planar projection."""
+
+    @cached_property
+    def renderer(self) -> Renderer:
+        """Made when the first frame is asked for: its window of ground is 64 MB."""
+        return self.drawn_by or planar(self.lens, self.seed, self.height_m)
+
+    def frame(self, number: int, view: View) -> Image:
+        """The frame of a view, shape (height, width); its noise is keyed by its number."""
+        radiance = self.renderer.radiance(view)
+        return develop(radiance, self.lens, self.pixel, self.seed, number)
+
+
+class DrawnFrames(Mapping[int, Image]):
+    """Frames by number, each drawn anew whenever it is asked for; nothing is kept."""
+
+    def __init__(self, film: Film, views: Mapping[int, View]) -> None:
+        self._film, self._views = film, views
+
+    def __getitem__(self, number: int) -> Image:
+        return self._film.frame(number, self._views[number])
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(self._views)
+
+    def __len__(self) -> int:
+        return len(self._views)
+
+
+class SavedFrames(Mapping[int, Image]):
+    """Frames by number, read from the PNG files that `save` wrote."""
+
+    def __init__(self, folder: Path) -> None:
+        """Raises BadInput if there is no such folder."""
+        if not folder.is_dir():
+            raise BadInput(f"{folder} is not a folder of frames: there is no such directory")
+        self._paths = {int(p.stem[6:]): p for p in sorted(folder.glob("frame_*.png"))}
+
+    def __getitem__(self, number: int) -> Image:
+        import cv2
+
+        path = self._paths[number]
+        image = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
+        if image is None:
+            raise BadInput(f"{path} is not a picture")
+        return np.asarray(image, np.uint8)
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(self._paths)
+
+    def __len__(self) -> int:
+        return len(self._paths)
+
+
+def save(frames: Frames, folder: Path) -> list[Path]:
+    """Write every frame as PNG, one at a time; the paths. Raises BadInput."""
+    import cv2
+
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for number in frames:
+        path = folder / NAME.format(number)
+        if not cv2.imwrite(str(path), frames[number]):
+            raise BadInput(f"{path} cannot be written")
+        paths.append(path)
+    return paths

@@ -1,0 +1,228 @@
+"""The camera as a sensor: when it takes frames, from where, and when they arrive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import radians
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from twin.camera.frames import DrawnFrames, Film
+from twin.camera.image import Sensitivity
+from twin.camera.pinhole import CAMERA_DOWN, Array, Pinhole, View, focal_px, matrix, rotation
+from twin.camera.renderer import Renderer
+from twin.errors import check_range
+from twin.sensors.checks import check_fields
+from twin.sensors.noise import generator
+from twin.sensors.sampling import Reader, arrivals, read, reader
+from twin.streams import CameraSetup, Streams, Table
+
+if TYPE_CHECKING:
+    from twin.machine.trajectory import Trajectory
+
+POSE = ("position_w", "world_from_body", "velocity_w", "gyro_b")
+"""What a frame is drawn from; part of no stream."""
+CONTRACT = ("epoch_ns", "arrival_ns", "frame")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Camera:
+    """A camera that looks down: data sheet and tape measure, then the true errors."""
+
+    rate_hz: float = 30.0
+    """Frames per second, Hz."""
+    width_px: int = 1280
+    """Across the direction of travel, px."""
+    height_px: int = 800
+    """Along it, px."""
+    field_of_view_deg: float = 53.0
+    """Horizontal field of view, deg; 28 to 53 through the lens's zoom."""
+    position_m: tuple[float, float, float] = (0.4, 0.0, 0.3)
+    """Optical centre, body axes, from the rear-axle centre, m."""
+    height_m: float = 0.5
+    """Optical centre above level ground, m."""
+    exposure_s: float = 0.002
+    """Time the shutter is open, s; 1 m/s then blurs a frame by 5 px."""
+    gain: float = 1.0
+    """Amplification."""
+    full_well_e: float = 10_000.0
+    """Electrons of a pixel at full scale; small industrial sensors hold 5000 to 15000."""
+    read_noise_e: float = 8.0
+    """Noise of reading a pixel, electrons; CMOS 2 to 15."""
+    vignetting: float = 1.0
+    """Share of the cos^4 fall-off towards the corners."""
+    latency_s: float = 0.025
+    """From the middle of the exposure to arrival, s; read-out and transfer of a USB camera."""
+    latency_jitter_s: float = 0.002
+    """Scale of the latency's scatter, s."""
+    loss_chance: float = 0.0
+    """Share of the frames that are lost on the way; their number is then missing."""
+    mount_yaw_sd_rad: float = radians(1.0)
+    """sd of the true mounting's yaw, drawn once, rad."""
+    mount_tilt_sd_rad: float = radians(0.3)
+    """sd of its roll and of its pitch, drawn once, rad."""
+
+    def __post_init__(self) -> None:
+        check_fields(
+            "camera",
+            self,
+            {
+                "rate_hz": (1, 500),
+                "width_px": (32, 4096),
+                "height_px": (32, 4096),
+                "field_of_view_deg": (5, 90),
+                "height_m": (0.05, 5),
+                "exposure_s": (0, 0.1),
+                "gain": (0, 100),
+                "full_well_e": (100, 1e6),
+                "read_noise_e": (0, 1000),
+                "vignetting": (0, 1),
+                "latency_s": (0, 1),
+                "latency_jitter_s": (0, 0.1),
+                "loss_chance": (0, 1),
+                "mount_yaw_sd_rad": (0, 0.2),
+                "mount_tilt_sd_rad": (0, 0.1),
+            },
+        )
+        check_range("camera.exposure_s", self.exposure_s, 0.0, 1.0 / self.rate_hz)
+
+    @property
+    def lens(self) -> Pinhole:
+        """The pinhole it is."""
+        focal = focal_px(self.width_px, radians(self.field_of_view_deg))
+        return Pinhole(width_px=self.width_px, height_px=self.height_px, focal_px=focal)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CameraState:
+    """Where the camera stands."""
+
+    reader: Reader
+    arrival_ns: int
+    frame: int
+    """Number of the next frame."""
+    latency: Generator
+    loss: Generator
+
+
+def init(config: Camera, seed: int, start_ns: int) -> CameraState:
+    """The camera at the start of a run."""
+    return CameraState(
+        reader=reader(start_ns, config.rate_hz),
+        arrival_ns=start_ns,
+        frame=0,
+        latency=generator(seed, "camera", "latency"),
+        loss=generator(seed, "camera", "loss"),
+    )
+
+
+def sample(config: Camera, state: CameraState, chunk: Trajectory) -> tuple[CameraState, Table]:
+    """The frames of the chunk: stamps and numbers, and beside them the true poses (`POSE`).
+
+    The epoch is the middle of the exposure. `drawn` makes frames of the poses, `stream_table`
+    leaves what an estimator may see.
+    """
+    position, epoch_ns, at = read(state.reader, chunk, POSE)
+    count = len(epoch_ns)
+    scatter = np.abs(state.latency.standard_normal(count))
+    kept = state.loss.random(count) >= config.loss_chance
+    delay_s = config.latency_s + config.latency_jitter_s * scatter
+    last_ns, arrival_ns = arrivals(state.arrival_ns, epoch_ns, delay_s)
+    numbers = np.arange(state.frame, state.frame + count, dtype=np.int64)
+    table: Table = {"epoch_ns": epoch_ns, "arrival_ns": arrival_ns, "frame": numbers, **at}
+    after = replace(state, reader=position, arrival_ns=last_ns, frame=state.frame + count)
+    return after, {name: column[kept] for name, column in table.items()}
+
+
+def stream_table(table: Table) -> Table:
+    """The columns of the stream, without the true poses."""
+    return {name: table[name] for name in CONTRACT}
+
+
+def film(config: Camera, seed: int, drawn_by: Renderer | None = None) -> Film:
+    """What draws this camera's frames over the ground of a seed; one serves a whole run."""
+    pixel = Sensitivity(
+        exposure_s=config.exposure_s,
+        gain=config.gain,
+        full_well_e=config.full_well_e,
+        read_noise_e=config.read_noise_e,
+        vignetting=config.vignetting,
+    )
+    lens, height_m = config.lens, config.height_m
+    return Film(lens=lens, pixel=pixel, seed=seed, height_m=height_m, drawn_by=drawn_by)
+
+
+def drawn(
+    config: Camera,
+    seed: int,
+    film: Film,
+    table: Table,
+    world_from_ground: Array | None = None,
+) -> DrawnFrames:
+    """The frames of a table of `sample`, drawn when they are asked for.
+
+    Args:
+        config: the camera.
+        seed: of the run, which draws the mounting.
+        film: what draws them.
+        table: with the true poses.
+        world_from_ground: rotation of the ground plane through the world's origin; level without.
+    """
+    turn = np.eye(3) if world_from_ground is None else world_from_ground
+    mounted = body_from_camera(config, seed)
+    views = {
+        int(number): _view(config, mounted, turn, {name: table[name][row] for name in POSE})
+        for row, number in enumerate(table["frame"])
+    }
+    return DrawnFrames(film, views)
+
+
+def body_from_camera(config: Camera, seed: int) -> Array:
+    """The true mounting of a seed: nominal, then turned by roll, pitch and yaw. Shape (3, 3)."""
+    roll, pitch, yaw = generator(seed, "camera", "mounting").standard_normal(3)
+    tilt = config.mount_tilt_sd_rad
+    turned = rotation(np.array([tilt * roll, tilt * pitch, config.mount_yaw_sd_rad * yaw]))
+    mounted: Array = turned @ CAMERA_DOWN
+    return mounted
+
+
+def _view(config: Camera, mounted: Array, world_from_ground: Array, at: Table) -> View:
+    world_from_body = matrix(at["world_from_body"])
+    arm_w = world_from_body @ np.array(config.position_m)
+    spin_w = world_from_body @ at["gyro_b"]
+    ground_from_world = world_from_ground.T
+    return View(
+        position_m=ground_from_world @ (at["position_w"] + arm_w),
+        ground_from_camera=ground_from_world @ world_from_body @ mounted,
+        velocity_mps=ground_from_world @ (at["velocity_w"] + np.cross(spin_w, arm_w)),
+        spin_radps=ground_from_world @ spin_w,
+        exposure_s=config.exposure_s,
+    )
+
+
+def stream(
+    config: Camera,
+    seed: int,
+    trajectory: Trajectory,
+    world_from_ground: NDArray[np.float64] | None = None,
+) -> Streams:
+    """The camera's stream of a whole trajectory, its frames drawn when they are asked for."""
+    state = init(config, seed, int(trajectory.epoch_ns[0]))
+    _, table = sample(config, state, trajectory)
+    frames = drawn(config, seed, film(config, seed), table, world_from_ground)
+    return Streams({"camera": stream_table(table)}, frames)
+
+
+def setup(config: Camera) -> CameraSetup:
+    """What an estimator is told of the camera: nominal values alone."""
+    return CameraSetup(
+        rate_hz=config.rate_hz,
+        width_px=config.width_px,
+        height_px=config.height_px,
+        focal_px=config.lens.focal_px,
+        lever_arm_m=config.position_m,
+        height_m=config.height_m,
+    )

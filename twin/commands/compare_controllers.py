@@ -1,0 +1,83 @@
+"""`twin compare-controllers`: baselines and saved policies on the same held-out grounds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from twin import rows as rows_file
+from twin.commands.parse import parse
+from twin.commands.terminal import console, progress
+from twin.errors import BadInput, UnknownName, check_range
+
+OBSERVATIONS = ("estimate", "truth")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompareControllers:
+    """Drive the baselines and any saved policy over the same held-out grounds of Plough-v0."""
+
+    episodes: int = 50
+    """Held-out grounds."""
+    policy: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()
+    """A policy saved by stable-baselines3; may be given several times."""
+    duration_s: float = 30.0
+    """Length of an episode; what is judged begins 5 s after its start."""
+    observation: str = "estimate"
+    """What the controllers see: estimate or truth."""
+    json: Path | None = None
+    """File for the rows."""
+
+
+def main(args: Sequence[str]) -> int:
+    """Compare, print, and write the rows where asked."""
+    options = parse(CompareControllers, args, prog="twin compare-controllers")
+    check_range("episodes", options.episodes, 2, 10000)
+    check_range("duration_s", options.duration_s, 6.0, 600.0)
+    if options.observation not in OBSERVATIONS:
+        raise UnknownName("observation", options.observation, OBSERVATIONS)
+    if options.json is not None and not options.json.parent.is_dir():
+        raise BadInput(f"--json {options.json}: there is no directory {options.json.parent}")
+    from twin.control import compare, policy
+    from twin.control.controllers import BASELINES, Controller
+
+    controllers: dict[str, Controller] = dict(BASELINES)
+    for file in options.policy:
+        controllers[file.stem] = policy.load(file)
+    with progress("comparing", shown=True) as told:
+        measured = compare.compare(
+            controllers, options.episodes, options.duration_s, options.observation, told
+        )
+    found = compare.rows(measured)
+    print_comparison(found, list(controllers), options.episodes)
+    if options.json is not None:
+        rows_file.write(found, options.json)
+    return 0
+
+
+def print_comparison(found: Sequence[Mapping[str, Any]], names: Sequence[str], count: int) -> None:
+    """A line for each controller, a column for each quantity, mean and half its interval."""
+    from rich import box
+    from rich.table import Table
+
+    quantities = list(dict.fromkeys(row["quantity"] for row in found))
+    title = f"{count} held-out grounds, the same for all; mean ± half the 95 % interval"
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=title, title_justify="left")
+    table.add_column("controller")
+    for quantity in quantities:
+        unit = next(row["unit"] for row in found if row["quantity"] == quantity)
+        name = quantity.replace("_", " ")
+        table.add_column(name if unit == "1" else f"{name} {unit}", justify="right")
+    cells = {(row["case"], row["quantity"]): row for row in found}
+    for name in names:
+        line = [_cell(cells.get((name, quantity))) for quantity in quantities]
+        table.add_row(name, *line)
+    console().print(table)
+
+
+def _cell(row: Mapping[str, Any] | None) -> str:
+    return "" if row is None else f"{row['ours']:.3f} ± {0.5 * (row['high'] - row['low']):.3f}"

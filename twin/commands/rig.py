@@ -1,0 +1,303 @@
+"""`twin rig wheel | drawbar | slope | park`: a test rig, its CSV and its figure."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from twin.commands.parse import parse
+from twin.commands.terminal import console
+from twin.errors import BadInput, UnknownName, check_range
+from twin.rig.drawbar import HITCH_M, RAMP_NPS
+from twin.rig.park import PARKED_S
+from twin.rig.tyre import Tyre
+from twin.rig.wheel import SPEED_MPS
+from twin.scenario import Soil
+
+SLIPS = (
+    -0.30, -0.20, -0.10, -0.05, -0.02, -0.01, 0.0, 0.005, 0.01, 0.02, 0.035, 0.05, 0.07, 0.10, 0.15,
+    0.20, 0.25, 0.30, 0.40, 0.50, 0.60, 0.70,
+)  # fmt: skip
+COMPARED = (0.05, 0.10, 0.15, 0.20, 0.25, 0.30)
+"""Slips at which the drawbar rig is laid beside the wheel rig."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wheel:
+    """One wheel at imposed slip, slip angle and load: every load at every angle and slip.
+
+    A smooth rigid wheel under Bekker's law, with slip 1 - v / (w R):
+
+    twin rig wheel --soil.law bekker --soil.preset lete-sand --tyre.rigid --tyre.diameter-m 0.9
+    --tyre.width-m 0.3 --load-kn 2 5 10 --slip 0 0.1 0.2 0.3 0.4 0.5 --slip-angle-deg 0
+    """
+
+    tyre: Tyre = dataclasses.field(default_factory=Tyre)
+    soil: Soil = dataclasses.field(default_factory=Soil)
+    load_kn: tuple[float, ...] = (20.0,)
+    """Vertical loads [kN]."""
+    slip: tuple[float, ...] = SLIPS
+    """(w R - v) / max(|w R|, |v|), from -0.95 to 0.95."""
+    slip_angle_deg: tuple[float, ...] = (0.0, 4.0, 10.0, 20.0)
+    """Positive when the wheel slides to its right [deg]."""
+    radial: bool = False
+    """Brixius' numbers for a radial tyre in place of the soil's (k 9.5, c0 0.0325, m 0.9)."""
+    speed_mps: float = SPEED_MPS
+    """Speed along the path [m/s]."""
+    out: Path = Path("runs/rig-wheel")
+    """Folder for wheel.csv, wheel-free.csv and wheel.png."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drawbar:
+    """The tractor pulls a load that grows slowly, beside the wheel rig and weight transfer."""
+
+    soil: Soil = dataclasses.field(default_factory=Soil)
+    hitch_m: float = HITCH_M
+    """Height of the pull above the ground [m]."""
+    ramp_nps: float = RAMP_NPS
+    """Growth of the pull [N/s]."""
+    most_slip: float = 0.40
+    """Slip at which the test ends."""
+    out: Path = Path("runs/rig-drawbar")
+    """Folder for drawbar.csv and drawbar.png."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Slope:
+    """The tractor holds a line across slopes: its crab angle, beside the closed form."""
+
+    soil: Soil = dataclasses.field(default_factory=Soil)
+    cross_slope_deg: tuple[float, ...] = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
+    """Slopes [deg], positive rising to the left."""
+    out: Path = Path("runs/rig-slope")
+    """Folder for slope.csv and slope.png."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Park:
+    """The tractor parked on slopes, brakes on: how far it creeps."""
+
+    soil: Soil = dataclasses.field(default_factory=Soil)
+    cross_slope_deg: tuple[float, ...] = (0.0, 5.0, 10.0, 15.0, 18.0)
+    """Slopes across [deg], each with no grade."""
+    grade_deg: tuple[float, ...] = (-15.0, -8.0, 8.0, 15.0)
+    """Slopes along [deg], each with no cross slope."""
+    parked_s: float = PARKED_S
+    """How long it stands [s]."""
+    out: Path = Path("runs/rig-park")
+    """Folder for park.csv and park.png."""
+
+
+def main(args: Sequence[str]) -> int:
+    """Run a rig by name."""
+    if not args or args[0].startswith("-"):
+        if args and args[0] in ("-h", "--help"):
+            for name, (kind, _) in RIGS.items():
+                print(f"twin rig {name:<8}  {kind.__doc__.splitlines()[0]}")
+            return 0
+        raise BadInput(f"twin rig needs the name of a rig first: {', '.join(RIGS)}")
+    if args[0] not in RIGS:
+        raise UnknownName("rig", args[0], RIGS)
+    kind, run = RIGS[args[0]]
+    options = parse(kind, args[1:], prog=f"twin rig {args[0]}")
+    _check_folder(options.out)
+    with console(stderr=True).status(f"{args[0]} rig"):
+        files = run(options)
+    console().print(", ".join(str(f) for f in files), highlight=False)
+    return 0
+
+
+def _wheel(options: Wheel) -> list[Path]:
+    from twin.rig import figures
+    from twin.rig.wheel import outside_range, self_propelled, towed, wheel
+
+    _some(options, "load_kn", "slip", "slip_angle_deg")
+    load, angle, slip = (
+        a.ravel()
+        for a in np.meshgrid(
+            1e3 * np.unique(options.load_kn),
+            np.radians(np.unique(options.slip_angle_deg)),
+            np.unique(options.slip),
+            indexing="ij",
+        )
+    )
+    given: dict[str, Any] = {"speed_mps": options.speed_mps, "radial": options.radial}
+    tyre, soil = options.tyre, options.soil
+    _warn(outside_range(tyre, soil, load_n=np.unique(load), radial=options.radial))
+    curve = wheel(tyre, soil, slip=slip, load_n=load, slip_angle_rad=angle, **given)
+    loads = np.unique(load)
+    pulled, driven = (f(tyre, soil, load_n=loads, **given) for f in (towed, self_propelled))
+    free = {
+        "load_n": loads,
+        "towed_slip": pulled.slip,
+        "towed_ratio": pulled.towed_ratio,
+        "towed_sinkage_m": pulled.sinkage_m,
+        "self_propelled_slip": driven.slip,
+        "self_propelled_torque_nm": driven.axle_torque_nm,
+        "rolling_radius_m": pulled.rolling_radius_m,
+    }
+    columns = curve.columns()
+    straight = (np.abs(angle) == np.abs(angle).min()) & (slip >= 0.0)
+    _print({name: columns[name][straight] for name in SHOWN})
+    _print(free)
+    title = f"Wheel rig: {_soil(soil)}, {_tyre(tyre)}"
+    return _written(
+        options.out,
+        {"wheel.csv": columns, "wheel-free.csv": free},
+        "wheel.png",
+        lambda path: figures.wheel(curve, pulled, title, path),
+    )
+
+
+SHOWN = (
+    "load_n", "slip", "net_pull_n", "axle_torque_nm", "motion_resistance_n", "sinkage_m",
+    "gross_traction_ratio", "net_traction_ratio", "tractive_efficiency",
+)  # fmt: skip
+
+
+def _drawbar(options: Drawbar) -> list[Path]:
+    from twin.rig import figures
+    from twin.rig.drawbar import drawbar, expected_pull_n
+
+    curve = drawbar(
+        options.soil,
+        hitch_m=options.hitch_m,
+        ramp_nps=options.ramp_nps,
+        most_slip=options.most_slip,
+    )
+    slips = np.array([s for s in COMPARED if curve.slip[0] <= s <= curve.slip.max()])
+    expected = expected_pull_n(options.soil, slips, hitch_m=options.hitch_m)
+    ours = np.interp(slips, curve.slip, curve.pull_n)
+    table = {"slip": slips, "pull_n": ours, "expected_n": expected, "ratio": ours / expected}
+    _print(table)
+    title = f"Drawbar rig: {_soil(options.soil)}, pull at {options.hitch_m:g} m"
+    return _written(
+        options.out,
+        {"drawbar.csv": curve.columns(), "drawbar-expected.csv": table},
+        "drawbar.png",
+        lambda path: figures.drawbar(curve, slips, expected, title, path),
+    )
+
+
+def _slope(options: Slope) -> list[Path]:
+    from twin.rig import figures
+    from twin.rig.slope import expected, slope
+
+    _some(options, "cross_slope_deg")
+    slopes = np.unique(options.cross_slope_deg)
+    for angle in slopes:
+        check_range("cross_slope_deg", float(angle), -25.0, 25.0)
+    wanted = expected(options.soil, slopes)
+    seen = slope(options.soil, slopes)
+    columns = seen.columns()
+    own = ("crab_angle_rad", "steer_rad", "slip")
+    columns |= {f"expected_{name}": getattr(wanted, name) for name in own}
+    _print({"cross_slope_deg": slopes} | {f"{n}": columns[n] for n in columns if "load" not in n})
+    title = f"Slope rig: {_soil(options.soil)}"
+    return _written(
+        options.out,
+        {"slope.csv": columns},
+        "slope.png",
+        lambda path: figures.slope(seen, wanted, title, path),
+    )
+
+
+def _park(options: Park) -> list[Path]:
+    from twin.rig import figures
+    from twin.rig.park import park
+
+    slopes = [(c, 0.0) for c in options.cross_slope_deg] + [(0.0, g) for g in options.grade_deg]
+    if not slopes:
+        raise BadInput("--cross-slope-deg and --grade-deg are empty; give at least one slope")
+    cross, grade = np.array(slopes).T
+    creep = park(options.soil, cross_slope_deg=cross, grade_deg=grade, parked_s=options.parked_s)
+    _print(creep.columns())
+    title = f"Parking rig: {_soil(options.soil)}, brakes on for {options.parked_s:g} s"
+    return _written(
+        options.out,
+        {"park.csv": creep.columns()},
+        "park.png",
+        lambda path: figures.park(creep, title, path),
+    )
+
+
+RIGS: dict[str, tuple[Any, Callable[[Any], list[Path]]]] = {
+    "wheel": (Wheel, _wheel),
+    "drawbar": (Drawbar, _drawbar),
+    "slope": (Slope, _slope),
+    "park": (Park, _park),
+}
+
+
+def _some(options: Any, *names: str) -> None:
+    for name in names:
+        if not getattr(options, name):
+            raise BadInput(f"--{name.replace('_', '-')} is empty; give at least one value")
+
+
+def _warn(sentences: Sequence[str]) -> None:
+    for sentence in sentences:
+        console(stderr=True).print(f"beyond the law's range: {sentence}", highlight=False)
+
+
+def _soil(soil: Soil) -> str:
+    own = [
+        f"{f.name} {value:g}"
+        for f in dataclasses.fields(soil)
+        if isinstance(value := getattr(soil, f.name), float) and value != f.default
+    ]
+    return ", ".join([f"{soil.law} law", f"soil '{soil.preset}'", *own])
+
+
+def _tyre(tyre: Tyre) -> str:
+    from twin.physics.block import Wheel as Size
+
+    sizes = tyre.sizes()
+    radius, width = 0.5 * sizes[Size.DIAMETER_M], sizes[Size.WIDTH_M]
+    return (
+        f"{'rigid wheel' if tyre.rigid else 'tyre'} of radius {radius:.3g} m, width {width:.3g} m"
+    )
+
+
+def _print(columns: Mapping[str, Any]) -> None:
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for name in columns:
+        table.add_column(name, justify="right")
+    for row in zip(*columns.values(), strict=True):
+        table.add_row(*("-" if math.isnan(v) else f"{round(v, 12) + 0.0:.4g}" for v in row))
+    console().print(table)
+
+
+def _check_folder(folder: Path) -> None:
+    """Refuse before the work what could not be written after it."""
+    existing = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+    if not existing.is_dir():
+        raise BadInput(f"--out {folder}: {existing} is a file, not a folder")
+
+
+def _written(
+    folder: Path,
+    tables: Mapping[str, Mapping[str, Any]],
+    figure: str,
+    draw: Callable[[Path], None],
+) -> list[Path]:
+    from twin.rig.table import write_csv
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, columns in tables.items():
+            write_csv(columns, folder / name)
+        draw(folder / figure)
+    except OSError as error:
+        raise BadInput(f"--out {folder} cannot be written: {error.strerror}") from None
+    return [*(folder / name for name in tables), folder / figure]

@@ -1,0 +1,84 @@
+"""Controllers and saved policies on the same held-out grounds, with 95 % intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from twin.control.controllers import Controller
+from twin.control.trials import HELD_OUT, QUANTITIES, drive
+from twin.env.vector import PloughVectorEnv
+from twin.rows import row
+
+Array = NDArray[np.float64]
+
+
+def compare(
+    controllers: Mapping[str, Controller],
+    episodes: int,
+    duration_s: float,
+    observation: str,
+    progress: Callable[[float], None] = lambda share: None,
+) -> dict[str, dict[str, Array]]:
+    """What each controller reached on each ground; the same grounds for all.
+
+    Args:
+        controllers: by name.
+        episodes: grounds.
+        duration_s: length of an episode.
+        observation: what the controllers see; see `PloughEnv`.
+        progress: told the share done.
+
+    Returns:
+        By controller, then by quantity, arrays of shape (episodes,).
+    """
+    env = PloughVectorEnv(episodes, observation=observation)
+    seeds, done = [HELD_OUT + i for i in range(episodes)], {}
+    for i, (name, controller) in enumerate(controllers.items()):
+        part = _part(progress, i, len(controllers))
+        done[name] = drive(env, controller, seeds, duration_s, part)
+    env.close()
+    return done
+
+
+def _part(progress: Callable[[float], None], i: int, count: int) -> Callable[[float], None]:
+    return lambda share: progress((i + share) / count)
+
+
+def interval(values: Array) -> tuple[float, float]:
+    """95 % interval of the mean: mean -+ t(0.975, n - 1) sd / sqrt(n)."""
+    n = len(values)
+    if n < 2:
+        return float(values[0]), float(values[0])
+    half = float(stats.t.ppf(0.975, n - 1) * np.std(values, ddof=1) / np.sqrt(n))
+    mean = float(np.mean(values))
+    return mean - half, mean + half
+
+
+def rows(
+    measured: Mapping[str, Mapping[str, Array]], against: Sequence[str] = ("pi",)
+) -> list[dict[str, Any]]:
+    """Means with their intervals, and the paired differences of reward to some controllers.
+
+    The interval stands in `low` and `high` of the row.
+    """
+    out = []
+    for name, quantities in measured.items():
+        for quantity, unit in QUANTITIES.items():
+            out.append(_row(name, quantity, quantities[quantity], unit))
+    for other in against:
+        for name in measured:
+            if other in measured and name != other:
+                difference = measured[name]["reward"] - measured[other]["reward"]
+                out.append(_row(name, f"reward less that of {other}, paired", difference, "1"))
+    return out
+
+
+def _row(case: str, quantity: str, values: Array, unit: str) -> dict[str, Any]:
+    low, high = interval(values)
+    made = dict(row(case, quantity, float(np.mean(values)), unit))
+    return made | {"low": low, "high": high}

@@ -1,0 +1,145 @@
+"""The baselines, each a few lines: constant, PI on slip, gain-scheduled PI, sliding mode.
+
+All hold the throttle and move the hitch: shallower when the wheels slip too much.
+
+    depth set = target + trim - relief,   0 <= relief <= 0.15 m
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.env.fleet import DEEPEST_M, RAISED_M
+
+Array = NDArray[np.float64]
+Seen = Mapping[str, Array]
+Gain = float | Array
+
+MOST_RELIEF_M = 0.15
+"""Most that a slip controller lifts the plough from its depth [m]."""
+
+
+class Controller(Protocol):
+    """What drives: a state at the start, then actions from what is seen."""
+
+    def init(self, count: int) -> Any:
+        """State before the first observation."""
+
+    def act(self, state: Any, seen: Seen, period_s: float) -> tuple[Any, Array]:
+        """New state and actions (count, 2) in [-1, 1]."""
+
+
+def actions(throttle: Gain, depth_set_m: Array) -> Array:
+    """Throttle and the hitch action of a depth set point, (count, 2) in [-1, 1]."""
+    hitch = 2.0 * (depth_set_m - RAISED_M) / (DEEPEST_M - RAISED_M) - 1.0
+    both = np.stack([np.broadcast_to(np.asarray(throttle), hitch.shape), hitch], axis=-1)
+    return np.asarray(np.clip(both, -1.0, 1.0), dtype=np.float64)
+
+
+def slip_error(seen: Seen) -> Array:
+    """Slip above the target."""
+    return seen["slip"] - seen["slip_target"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Constant:
+    """Constant throttle and depth: what a driver does who looks ahead only."""
+
+    throttle: Gain
+    trim_m: Gain
+
+    def init(self, count: int) -> None:
+        """Nothing to remember."""
+
+    def act(self, state: None, seen: Seen, period_s: float) -> tuple[None, Array]:
+        """Depth set = target + trim."""
+        return state, actions(self.throttle, seen["depth_target_m"] + self.trim_m)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PI:
+    """PI on slip: relief = kp e + integral of ki e, both within the relief's range."""
+
+    throttle: Gain
+    trim_m: Gain
+    kp_m: Gain
+    """Relief per slip error [m]."""
+    ki_mps: Gain
+    """Relief per slip error and second [m/s]."""
+
+    def init(self, count: int) -> Array:
+        """The integral part of the relief [m]."""
+        return np.zeros(count)
+
+    def act(self, state: Array, seen: Seen, period_s: float) -> tuple[Array, Array]:
+        """One period."""
+        error, gain = slip_error(seen), self.gain(seen)
+        integral = np.clip(state + gain * self.ki_mps * error * period_s, 0.0, MOST_RELIEF_M)
+        relief_m = np.clip(gain * self.kp_m * error + integral, 0.0, MOST_RELIEF_M)
+        return integral, actions(self.throttle, seen["depth_target_m"] + self.trim_m - relief_m)
+
+    def gain(self, seen: Seen) -> Gain:
+        """Factor on both gains."""
+        return 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScheduledPI(PI):
+    """PI whose gains fall as slip grows, as the plant's own gain rises.
+
+        gain = exp(-k (s - target))
+
+    since the pull of a tyre is a (1 - exp(-k s)) and so ds/dpull = exp(k s) / (a k).
+    Source of the form: Brixius 1987; k is tuned.
+    """
+
+    rate: Gain = 7.5
+
+    def gain(self, seen: Seen) -> Gain:
+        """Factor on both gains."""
+        return np.exp(-self.rate * np.clip(slip_error(seen), -0.3, 0.3))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlidingMode:
+    """Sliding mode with integral surface and boundary layer.
+
+    sigma  = e + integral of lambda e        relief = K (1 + sat(sigma / phi)) / 2
+    """
+
+    throttle: Gain
+    trim_m: Gain
+    reach_m: Gain
+    """K: most relief [m]."""
+    surface_radps: Gain
+    """lambda: slope of the surface [1/s]."""
+    layer: Gain
+    """phi: slip error at the edge of the boundary layer."""
+
+    def init(self, count: int) -> Array:
+        """The integral part of the surface: no relief at the start."""
+        return np.full(count, -1.0)
+
+    def act(self, state: Array, seen: Seen, period_s: float) -> tuple[Array, Array]:
+        """One period; the integral stays within the boundary layer."""
+        error = slip_error(seen)
+        integral = state + self.surface_radps * error * period_s / self.layer
+        integral = np.clip(integral, -1.0, 1.0)
+        sigma = np.clip(error / self.layer + integral, -1.0, 1.0)
+        relief_m = self.reach_m * 0.5 * (1.0 + sigma)
+        return integral, actions(self.throttle, seen["depth_target_m"] + self.trim_m - relief_m)
+
+
+BASELINES: dict[str, Controller] = {
+    "constant": Constant(throttle=0.0, trim_m=-0.05),
+    "pi": PI(throttle=0.0, trim_m=-0.05, kp_m=0.2, ki_mps=0.1),
+    "scheduled-pi": ScheduledPI(throttle=0.0, trim_m=-0.05, kp_m=0.2, ki_mps=0.1),
+    "sliding-mode": SlidingMode(
+        throttle=0.0, trim_m=-0.05, reach_m=0.1, surface_radps=0.3, layer=0.1
+    ),
+}

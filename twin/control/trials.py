@@ -1,0 +1,95 @@
+"""Drive a controller over grounds, and what came of it on each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.control.controllers import Controller
+from twin.env.vector import PloughVectorEnv
+
+Array = NDArray[np.float64]
+
+TRAINING, HELD_OUT = 10_000, 1_000_000
+"""First seed of the grounds that may be tuned and trained on, and of those that compare."""
+ENTRY_S = 5.0
+"""Time in which the plough enters; judged is what follows [s]."""
+QUANTITIES = {
+    "reward": "1", "traction_efficiency": "1", "work_rate": "ha/h", "fuel": "L/ha",
+    "slip_rms_error": "1", "depth_rms_error": "m", "stalled": "1",
+}  # fmt: skip
+"""What is measured on each ground, with its unit."""
+
+
+def drive(
+    env: PloughVectorEnv,
+    controller: Controller,
+    seeds: Sequence[int],
+    duration_s: float,
+    progress: Callable[[float], None] = lambda share: None,
+) -> dict[str, Array]:
+    """One episode of a controller on each ground.
+
+    A stalled tractor stands for the rest of the time: it works nothing, and its errors are those
+    of standing in the furrow. Reward is the mean of all control steps, the rest after the entry.
+
+    Args:
+        env: as many tractors as grounds; its observations are what the controller sees.
+        controller: what drives.
+        seeds: of the grounds.
+        duration_s: length of an episode.
+        progress: told the share done.
+
+    Returns:
+        The `QUANTITIES`, each of shape (grounds,).
+    """
+    period_s = env.episodes.fleet.period_s
+    steps, entry = round(duration_s / period_s), round(ENTRY_S / period_s)
+    observation, _ = env.reset(seed=list(seeds))
+    state, alive = controller.init(env.num_envs), np.ones(env.num_envs, dtype=np.bool_)
+    names = [entry_.name for entry_ in env.entries]
+    sums = {name: np.zeros(env.num_envs) for name in ("reward", *_judged(env, {}))}
+    for step in range(steps):
+        seen = dict(zip(names, observation.T.astype(np.float64), strict=True))
+        state, action = controller.act(state, seen, period_s)
+        observation, reward, stalled, _, info = env.step(action.astype(np.float32))
+        alive &= ~stalled
+        sums["reward"] += np.where(alive, reward, 0.0)
+        if step >= entry:
+            for name, value in _judged(env, info).items():
+                sums[name] += np.where(alive, value, 1.0 if name == "slip_sq" else 0.0)
+        progress((step + 1) / steps)
+    return _measured(sums, alive, steps, steps - entry)
+
+
+def _judged(env: PloughVectorEnv, info: Mapping[str, Any]) -> dict[str, Array]:
+    """What is summed over the control steps after the entry."""
+    none = np.zeros(env.num_envs)
+    value = {
+        name: info.get(name, none)
+        for name in ("traction_efficiency", "work_rate_haph", "fuel_lph", "slip", "depth_m")
+    }
+    return {
+        "efficiency": value["traction_efficiency"],
+        "work": value["work_rate_haph"],
+        "fuel": value["fuel_lph"],
+        "slip_sq": (value["slip"] - env.episodes.slip_target) ** 2,
+        "depth_sq": (value["depth_m"] - env.episodes.depth_m) ** 2,
+    }
+
+
+def _measured(
+    sums: Mapping[str, Array], alive: NDArray[np.bool_], steps: int, judged: int
+) -> dict[str, Array]:
+    return {
+        "reward": sums["reward"] / steps,
+        "traction_efficiency": sums["efficiency"] / judged,
+        "work_rate": sums["work"] / judged,
+        "fuel": sums["fuel"] / np.maximum(sums["work"], 1e-3 * judged),
+        "slip_rms_error": np.sqrt(sums["slip_sq"] / judged),
+        "depth_rms_error": np.sqrt(sums["depth_sq"] / judged),
+        "stalled": np.where(alive, 0.0, 1.0),
+    }

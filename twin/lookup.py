@@ -1,0 +1,54 @@
+"""A thing by `module:Name`, from wherever the user stands."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from typing import Any
+
+from twin.errors import BadInput, UnknownName
+
+
+def attribute(kind: str, spec: str) -> Any:
+    """The thing `module:Name` stands for; `module:` alone means the module itself.
+
+    The working directory is added to the end of the import path, so nothing in it shadows an
+    installed package.
+
+    Args:
+        kind: what messages call it.
+        spec: module and name, dots allowed in both.
+
+    Raises:
+        BadInput: the module cannot be imported, or lacks the attribute.
+    """
+    module, _, path = spec.partition(":")
+    found = imported = _module(kind, spec, module)
+    for part in path.split(".") if path else ():
+        if not hasattr(found, part):
+            public = [n for n in dir(found) if not n.startswith("_")]
+            missing = UnknownName(f"attribute of {imported.__name__}", part, public)
+            raise BadInput(f"{kind} '{spec}': {missing}") from None
+        found = getattr(found, part)
+    return found
+
+
+def _module(kind: str, spec: str, module: str) -> Any:
+    if os.getcwd() not in sys.path:
+        sys.path.append(os.getcwd())
+    importlib.invalidate_caches()
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        if error.name and (module == error.name or module.startswith(error.name + ".")):
+            raise BadInput(f"{kind} '{spec}': there is no module '{error.name}'") from None
+        raise BadInput(f"{kind} '{spec}': {module} cannot be imported: {error}") from None
+    except Exception as error:  # whatever a user's module raises while it is imported
+        raise BadInput(f"{kind} '{spec}': {module} cannot be imported: {line(error)}") from None
+
+
+def line(error: BaseException) -> str:
+    """An error in one line: its type and the first line of its message."""
+    first = (str(error).splitlines() or [""])[0]
+    return f"{type(error).__name__}: {first}" if first else type(error).__name__

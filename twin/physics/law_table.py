@@ -1,0 +1,58 @@
+"""The users' soil laws of this process: a table compiled code reads, and calls by address."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import llvmlite.binding
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+MOST_LAWS = 32
+TABLE = np.zeros((MOST_LAWS, 2), dtype=np.int64)
+"""Number and function address of each law; zero beyond the last."""
+SYMBOL = "tractor_twin_laws"
+llvmlite.binding.add_symbol(SYMBOL, TABLE.ctypes.data)
+SIGNATURE = types.void(
+    types.CPointer(types.float64), types.CPointer(types.float64),
+    types.float64, types.float64, types.float64, types.CPointer(types.float64),
+)  # fmt: skip
+"""C form of a law: soil, wheel, load, slip, side slip, and where its five numbers go."""
+
+
+@intrinsic
+def table_pointer(typing_context: Any) -> Any:
+    """Pointer to TABLE, by a symbol that is resolved when machine code is loaded."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        known = builder.module.globals.get(SYMBOL)
+        variable = known or ir.GlobalVariable(builder.module, ir.IntType(64), SYMBOL)
+        return builder.bitcast(variable, context.get_value_type(signature.return_type))
+
+    return types.CPointer(types.int64)(), codegen
+
+
+@intrinsic
+def call(
+    typing_context: Any, address: Any, soil: Any, wheel: Any, load: Any, slip: Any, side: Any
+) -> Any:
+    """Call the C function of a law by its address; the five numbers it writes, as a tuple."""
+    result = types.UniTuple(types.float64, 5)
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        double = ir.DoubleType()
+        pointer = double.as_pointer()
+        kind = ir.FunctionType(
+            ir.VoidType(), [pointer, pointer, double, double, double, pointer]
+        ).as_pointer()
+        out = cgutils.alloca_once(builder, double, 5)
+        at = [builder.inttoptr(a, pointer) for a in args[1:3]]
+        builder.call(builder.inttoptr(args[0], kind), [*at, *args[3:], out])
+        values = [builder.load(builder.gep(out, [ir.IntType(32)(i)])) for i in range(5)]
+        return context.make_tuple(builder, signature.return_type, values)
+
+    numbers = (types.float64,) * 3
+    return result(types.int64, types.intp, types.intp, *numbers), codegen

@@ -1,0 +1,118 @@
+"""The soil laws behind one interface: which one acts stands in the parameter block.
+
+A law is a pure function
+
+    law(soil, wheel, load_n, slip, side_slip)
+        -> shear_x_n, shear_y_n, resistance_n, rolling_moment_n, sinkage_m
+
+as `twin.physics.brixius.brixius` and `twin.physics.bekker.bekker` are. A user's own law is compiled
+when a machine is built, kept by this process in a table of function addresses, and found there by
+the number its source text gives it: a model that is loaded where its law is not known, or is known
+in another form, gets no forces but NaN.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numba
+import numpy as np
+from numba import carray
+
+from twin.errors import BadInput
+from twin.lookup import attribute
+from twin.physics.bekker import bekker
+from twin.physics.block import Soil, Wheel
+from twin.physics.brixius import brixius
+from twin.physics.compiled import cache_key, law
+from twin.physics.law_table import MOST_LAWS, SIGNATURE, TABLE, call, table_pointer
+from twin.physics.shapes import Array
+from twin.soils import LAWS
+
+BRIXIUS, BEKKER = float(LAWS.index("brixius")), float(LAWS.index("bekker"))
+Forces = tuple[float, float, float, float, float]
+SOIL_SIZE, WHEEL_SIZE = int(Soil.SIZE), int(Wheel.SIZE)
+
+
+@law
+def soil_forces(
+    soil: Array, wheel: Array, load_n: float, slip: float, side_slip: float
+) -> tuple[float, float, float, float, float]:
+    """What the soil's own law says; see the module for the interface."""
+    number = soil[Soil.LAW]
+    if number == BRIXIUS:
+        return brixius(soil, wheel, load_n, slip, side_slip)
+    if number == BEKKER:
+        return bekker(soil, wheel, load_n, slip, side_slip)
+    table = carray(table_pointer(), (MOST_LAWS, 2), np.int64)
+    for i in range(MOST_LAWS):
+        if table[i, 0] == number and table[i, 1] != 0:
+            at = table[i, 1]
+            return call(at, soil.ctypes.data, wheel.ctypes.data, load_n, slip, side_slip)
+    return math.nan, math.nan, math.nan, math.nan, math.nan
+
+
+def law_number(name: str) -> float:
+    """The number of a soil law for the parameter block; a `module:function` is compiled first.
+
+    Raises:
+        BadInput: it cannot be imported, or cannot be compiled to a law.
+    """
+    if name in LAWS:
+        return float(LAWS.index(name))
+    return register(attribute("soil law", name), name)
+
+
+def register(function: Callable[..., Forces], name: str) -> float:
+    """Compile a user's law and enter it in the table; its number, the same for the same source.
+
+    Args:
+        function: plain Python, or compiled by numba already.
+        name: what messages call it.
+    """
+    source = _source(function, name)
+    number = int(cache_key(source, name)[:12], 16)
+    known = np.flatnonzero(TABLE[:, 0] == number)
+    if not known.size:
+        free = np.flatnonzero(TABLE[:, 1] == 0)
+        if not free.size:
+            raise BadInput(f"soil law '{name}': this process knows {MOST_LAWS} laws already")
+        TABLE[free[0]] = number, _compile(function, name).address
+    return float(number)
+
+
+_KEPT: list[Any] = []
+"""The compiled laws: the table holds only their addresses."""
+
+
+def _compile(function: Any, name: str) -> Any:
+    """The law as a C function; not cached on disk, so that it cannot be stale."""
+    try:
+        pure = function
+        if not hasattr(function, "py_func"):
+            pure = numba.njit(error_model="numpy")(function)
+
+        def entry(soil: Any, wheel: Any, load: Any, slip: Any, side: Any, out: Any) -> None:
+            out[0], out[1], out[2], out[3], out[4] = pure(
+                carray(soil, SOIL_SIZE), carray(wheel, WHEEL_SIZE), load, slip, side
+            )
+
+        compiled = numba.cfunc(SIGNATURE)(entry)
+    except Exception as error:  # whatever numba says of a user's function
+        said = [n for n in str(error).splitlines() if n and not n.startswith("Failed in nopython")]
+        reason = said[0] if said else type(error).__name__
+        raise BadInput(f"soil law '{name}' cannot be compiled: {reason}") from None
+    _KEPT.append(compiled)
+    return compiled
+
+
+def _source(function: Any, name: str) -> str:
+    """Text of the file a law stands in."""
+    try:
+        module = inspect.getmodule(getattr(function, "py_func", function))
+        return inspect.getsource(module)  # type: ignore[arg-type]  # None is a TypeError too
+    except (OSError, TypeError):
+        raise BadInput(f"soil law '{name}' is no function of a module in a file") from None

@@ -1,0 +1,93 @@
+"""The parking rig: brakes on, on slopes; how far the tractor creeps."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from twin.errors import BadInput, check_range
+from twin.machine.start import RAISED_RAD, refuse_warnings
+from twin.rig.tractor import tractor
+from twin.scenario import Field, Soil
+
+Array = NDArray[np.float64]
+
+SETTLE_S = 5.0
+"""Time in which the tyres wind up before creep is counted [s]."""
+PARKED_S = 60.0
+LOOKS = 60
+"""How often the place is looked at."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Creep:
+    """Creep of the parked tractor, one value per slope. Shape (n,)."""
+
+    cross_slope_deg: Array
+    grade_deg: Array
+    creep_m: Array
+    """Farthest that the rear-axle centre went from where it had settled."""
+    creep_rate_mps: Array
+    """Mean speed over the last third."""
+
+    def columns(self) -> dict[str, Array]:
+        """Everything measured, by name."""
+        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+
+
+def park(
+    soil: Soil,
+    *,
+    cross_slope_deg: ArrayLike = 0.0,
+    grade_deg: ArrayLike = 0.0,
+    parked_s: float = PARKED_S,
+) -> Creep:
+    """Park the tractor, brakes on, clutch out, on each slope; the arguments broadcast.
+
+    Raises:
+        OutOfRange: a slope beyond what a scenario may have.
+        Diverged: MuJoCo warned.
+    """
+    check_range("parked_s", parked_s, 1.0, 3600.0)
+    try:
+        cross, grade = np.broadcast_arrays(
+            np.atleast_1d(np.asarray(cross_slope_deg, dtype=np.float64)),
+            np.atleast_1d(np.asarray(grade_deg, dtype=np.float64)),
+        )
+    except ValueError:
+        raise BadInput("cross_slope_deg and grade_deg have different lengths") from None
+    shapes = [
+        Field(cross_slope_deg=float(c), grade_deg=float(g))
+        for c, g in zip(cross, grade, strict=True)
+    ]
+    measured = np.array([_parked(soil, shape, parked_s) for shape in shapes])
+    return Creep(
+        cross_slope_deg=np.array(cross),
+        grade_deg=np.array(grade),
+        creep_m=measured[:, 0],
+        creep_rate_mps=measured[:, 1],
+    )
+
+
+def _parked(soil: Soil, shape: Field, parked_s: float) -> tuple[float, float]:
+    """Farthest excursion, and mean speed over the last third."""
+    machine = tractor("rig-park", soil, shape)
+    model, state = machine.model, mujoco.MjData(machine.model)
+    state.qpos[:], state.act[:] = machine.start_qpos, machine.start_act
+    for control, value in (("brake", 1.0), ("clutch_pedal", 1.0), ("lift", RAISED_RAD)):
+        state.ctrl[model.actuator(control).id] = value
+    mujoco.mj_step(model, state, round(SETTLE_S / model.opt.timestep))
+    places = [np.array(state.qpos[:3])]
+    look_s = parked_s / LOOKS
+    for _ in range(LOOKS):
+        mujoco.mj_step(model, state, max(1, round(look_s / model.opt.timestep)))
+        places.append(np.array(state.qpos[:3]))
+    refuse_warnings(np.array([w.number for w in state.warning]), "rig-park", parked_s)
+    gone = np.linalg.norm(np.array(places) - places[0], axis=1)
+    third = LOOKS // 3
+    late = float(np.linalg.norm(places[-1] - places[-1 - third]))
+    return float(gone.max()), late / (third * look_s)

@@ -1,0 +1,101 @@
+"""The whole tractor on a rig: its weight and lengths, and runs of it with its driver."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.machine.build import Machine, build
+from twin.machine.plough_setting import GRAVITY_MPS2
+from twin.machine.simulate import DECISION_S, Cab
+from twin.machine.start import refuse_warnings
+from twin.physics import block
+from twin.physics.block import WheelSlot
+from twin.scenario import Course, Field, Scenario, Soil
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Statics:
+    """What the closed forms need of a tractor, standing level."""
+
+    weight_n: float
+    cg_ahead_m: float
+    """Centre of gravity of the whole, ahead of the rear axle."""
+    cg_height_m: float
+    wheelbase_m: float
+    front_track_m: float
+    rear_track_m: float
+    front_hub_m: float
+    """Height of the front hubs, which is that of the axle's pivot."""
+    rear_hub_m: float
+
+
+def tractor(name: str, soil: Soil, shape: Field | None = None) -> Machine:
+    """The machine without a plough, on soil that is the same everywhere."""
+    homogeneous = dataclasses.replace(soil, strength_cv=0.0)
+    course = Course(approach_m=1.0, length_m=5000.0)
+    return build(Scenario(name=name, soil=homogeneous, field=shape or Field(), course=course))
+
+
+def statics(soil: Soil) -> Statics:
+    """Weight and lengths of the tractor settled on level ground."""
+    machine = tractor("rig-level", soil)
+    model, state = machine.model, mujoco.MjData(machine.model)
+    state.qpos[:] = machine.start_qpos
+    mujoco.mj_forward(model, state)
+    fl, fr, rl, rr = (state.body(f"{w}_wheel").xpos for w in block.WHEELS)
+    root = model.body("tractor").id
+    cg = state.subtree_com[root]
+    return Statics(
+        weight_n=GRAVITY_MPS2 * float(model.body_subtreemass[root]),
+        cg_ahead_m=float(cg[0] - 0.5 * (rl[0] + rr[0])),
+        cg_height_m=float(cg[2]),
+        wheelbase_m=float(0.5 * (fl[0] + fr[0] - rl[0] - rr[0])),
+        front_track_m=float(fl[1] - fr[1]),
+        rear_track_m=float(rl[1] - rr[1]),
+        front_hub_m=float(0.5 * (fl[2] + fr[2])),
+        rear_hub_m=float(0.5 * (rl[2] + rr[2])),
+    )
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What the callback reported, averaged over one decision of the driver."""
+
+    wheels: Array
+    """Shape (4, WheelSlot.SIZE)."""
+    machine: Array
+    """Shape (MachineSlot.SIZE,)."""
+    steer_rad: float
+
+
+def drive(cab: Cab, seconds: float) -> list[Seen]:
+    """Drive on for a time; one entry per decision of the driver.
+
+    Raises:
+        Diverged: MuJoCo warned.
+    """
+    seen = []
+    for decision in range(1, round(seconds / DECISION_S) + 1):
+        slots = cab.act()["userdata"][0].mean(axis=0)
+        warned = cab.batch.warning[0, :, 1]
+        refuse_warnings(warned, cab.machine.scenario.name, decision * DECISION_S)
+        wheels = slots[: block.MACHINE_SLOTS].reshape(4, int(WheelSlot.SIZE))
+        machine = slots[block.MACHINE_SLOTS : block.POWER_SLOTS]
+        seen.append(Seen(wheels, machine, cab.hands.steer_rad))
+    return seen
+
+
+def mean(seen: list[Seen]) -> Seen:
+    """The average of entries."""
+    return Seen(
+        np.mean([s.wheels for s in seen], axis=0),
+        np.mean([s.machine for s in seen], axis=0),
+        float(np.mean([s.steer_rad for s in seen])),
+    )
