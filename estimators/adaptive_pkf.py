@@ -21,12 +21,15 @@ from estimators.kalman import Record, predict, update
 from estimators.layout import RESTARTED, STALE_S
 from estimators.noise_adaptation import (
     BUDGET,
+    DEVIATION,
     IMPROVED_MAYFLY,
+    LOGARITHM,
     MAYFLY,
     PROCESS,
     PSO,
     ROWS,
     SOUGHT,
+    VARIANCE,
     accumulate,
     mean_of,
     mean_square,
@@ -53,12 +56,13 @@ Array = NDArray[np.float64]
 OBSERVERS, BLOCKS, STATES = 2, 2, 3
 GROUND, WHEEL = 0, 1
 METHODS = {"pso": PSO, "mayfly": MAYFLY, "improved-mayfly": IMPROVED_MAYFLY, "none": -1}
+ENCODINGS = {"linear": VARIANCE, "sd": DEVIATION, "log": LOGARITHM}
 LONGEST_WINDOW = 256
 
 TUNING = np.dtype(
     [
         ("method", "i8"),
-        ("log", "?"),
+        ("encoding", "i8"),
         ("low", "f8", (OBSERVERS, SOUGHT)),
         ("high", "f8", (OBSERVERS, SOUGHT)),
         ("noise", "f8", (OBSERVERS, SOUGHT)),
@@ -101,8 +105,8 @@ class AdaptivePkf:
 
     optimiser: Literal["pso", "mayfly", "improved-mayfly", "none"] = "improved-mayfly"
     """What searches; "none" keeps Q and R as they start."""
-    encoding: Literal["linear", "log"] = "linear"
-    """Whether the box is one of variances or of their logarithms."""
+    encoding: Literal["linear", "sd", "log"] = "linear"
+    """Whether the box is one of variances, of standard deviations or of logarithms."""
     process_var: tuple[float, float] = (1e-6, 1e-2)
     """Ends of the box for each element of diag(Q), per 0.02 s."""
     measurement_factor: tuple[float, float] = (0.1, 4.0)
@@ -129,7 +133,7 @@ class AdaptivePkf:
     def init(self, setup: Setup) -> State:
         """The state before the first sample."""
         tuning = np.zeros(1, TUNING)
-        tuning["method"], tuning["log"] = METHODS[self.optimiser], self.encoding == "log"
+        tuning["method"], tuning["encoding"] = METHODS[self.optimiser], ENCODINGS[self.encoding]
         tuning["every"], tuning["window"] = self.every, min(self.window, LONGEST_WINDOW)
         tuning["budget"] = self.budget
         for observer, ground_sd in enumerate((self.front_sd_mps, self.gnss_sd_mps)):
@@ -153,7 +157,8 @@ class AdaptivePkf:
             np.concatenate([np.full(6, q), factor * variance])
             for q, factor in zip(self.process_var, self.measurement_factor, strict=True)
         ]
-        low, high = np.log(ends) if self.encoding == "log" else ends
+        encode = {"linear": np.asarray, "sd": np.sqrt, "log": np.log}[self.encoding]
+        low, high = encode(ends)
         return low, high
 
 
@@ -195,10 +200,12 @@ def _advance(tuning: Record, memory: Record) -> None:
 @compiled
 def _restart_after_gap(memory: Record) -> None:
     if memory.step.dt_s > STALE_S:
-        memory.known[:, :] = 0
         memory.steps = 0
-        memory.sums[:, :, :] = 0.0
-        memory.counts[:, :, :] = 0.0
+        for observer in range(OBSERVERS):
+            memory.known[observer, GROUND] = memory.known[observer, WHEEL] = 0
+            for i in range(ROWS):
+                for j in range(ROWS):
+                    memory.sums[observer, i, j] = memory.counts[observer, i, j] = 0.0
         memory.step.flags |= RESTARTED
 
 
@@ -236,7 +243,9 @@ def _remember(observer: int, tuning: Record, memory: Record) -> None:
     if tuning.window == 0:
         accumulate(memory.innovation[observer], memory.sums[observer], memory.counts[observer])
     else:
-        memory.window[observer, memory.steps % tuning.window] = memory.innovation[observer]
+        for i in range(ROWS):
+            at = memory.steps % tuning.window
+            memory.window[observer, at, i] = memory.innovation[observer, i]
 
 
 @compiled
@@ -249,7 +258,7 @@ def _adapt(observer: int, tuning: Record, memory: Record) -> None:
     else:
         tpmse = mean_square(memory.window[observer, : min(memory.steps, tuning.window)])
     ground, wheel = memory.cov[observer, GROUND], memory.cov[observer, WHEEL]
-    given = problem(ground, wheel, tpmse, memory.step.dt_s / STEP_S, tuning.log)
+    given = problem(ground, wheel, tpmse, memory.step.dt_s / STEP_S, tuning.encoding)
     low, high, noise = tuning.low[observer], tuning.high[observer], memory.noise[observer]
     memory.fitness[observer] = search(
         tuning.method, given, low, high, tuning.budget, memory.rng, noise

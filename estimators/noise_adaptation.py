@@ -31,13 +31,15 @@ SOUGHT = 10
 PROCESS = (0, 1, 3, 4)
 """Where in x the process variance of each row stands; its measurement variance is at 6 + row."""
 PSO, MAYFLY, IMPROVED_MAYFLY = range(3)
+VARIANCE, DEVIATION, LOGARITHM = range(3)
+"""What the box is one of: variances, standard deviations, natural logarithms of variances."""
 BUDGET = 1300
 """Evaluations of a search: 20 + 20 mayflies and 20 generations."""
 
-GAP, COUPLING, STEPS, SEEN, LOG = 0, 4, 10, 11, 15
+GAP, COUPLING, STEPS, SEEN, ENCODING = 0, 4, 10, 11, 15
 """Where each part of a problem begins: diagonal of FPMSE - TPMSE without q and r (4), its elements
-above the diagonal (6), steps of 0.02 s that q acts for, 1 for a row that was measured (4), 1 if x
-is a logarithm."""
+above the diagonal (6), steps of 0.02 s that q acts for, 1 for a row that was measured (4), what
+x is an encoding of."""
 PROBLEM = 16
 
 
@@ -79,7 +81,7 @@ def mean_of(sums: Array, counts: Array) -> Array:
 
 
 @compiled
-def problem(ground: Array, wheel: Array, tpmse: Array, steps: float, log: bool) -> Array:
+def problem(ground: Array, wheel: Array, tpmse: Array, steps: float, encoding: int) -> Array:
     """What `fitness` needs: everything that the candidates have in common.
 
     Args:
@@ -87,10 +89,10 @@ def problem(ground: Array, wheel: Array, tpmse: Array, steps: float, log: bool) 
         wheel: the same of the wheels' block.
         tpmse: C, (4, 4); a row whose C_ii is 0 was not measured.
         steps: steps of 0.02 s that Q acts for.
-        log: whether candidates are natural logarithms.
+        encoding: VARIANCE, DEVIATION or LOGARITHM.
     """
     given = np.zeros(PROBLEM)
-    given[STEPS], given[LOG] = steps, 1.0 if log else 0.0
+    given[STEPS], given[ENCODING] = steps, encoding
     at = COUPLING
     for i in range(ROWS):
         given[SEEN + i] = 1.0 if tpmse[i, i] > 0.0 else 0.0
@@ -127,10 +129,16 @@ def _gap(x: Array, given: Array, row: int) -> float:
     """Diagonal element of FPMSE - TPMSE."""
     if given[SEEN + row] == 0.0:
         return 0.0
-    q, r = x[PROCESS[row]], x[6 + row]
-    if given[LOG] > 0.0:
-        q, r = exp(q), exp(r)
+    q, r = variance(x[PROCESS[row]], given), variance(x[6 + row], given)
     return given[GAP + row] + given[STEPS] * q + r
+
+
+@compiled
+def variance(x: float, given: Array) -> float:
+    """The variance that an element of a candidate stands for."""
+    if given[ENCODING] == DEVIATION:
+        return x * x
+    return exp(x) if given[ENCODING] == LOGARITHM else x
 
 
 @compiled
@@ -193,11 +201,11 @@ def search(
     Args:
         method: PSO, MAYFLY or IMPROVED_MAYFLY.
         given: what `problem` gives, (16,).
-        low: lower corner of the box, (10,), natural logarithms if the problem says so.
+        low: lower corner of the box, (10,), as the problem's encoding says.
         high: upper corner, (10,).
         budget: most evaluations.
         rng: state of `chance`, changed in place.
-        found: room for the variances, (10,), never logarithms.
+        found: room for the variances, (10,).
     """
     if method == PSO:
         best = pso.minimise(fitness, low, high, budget, rng, given)
@@ -206,5 +214,5 @@ def search(
         start = good_point_set(count, SOUGHT) if improved else random_points(count, SOUGHT, rng)
         best = mayfly.evolve(fitness, start, improved, low, high, budget, rng, given)
     for k in range(SOUGHT):
-        found[k] = exp(best.x[k]) if given[LOG] > 0.0 else best.x[k]
+        found[k] = variance(best.x[k], given)
     return best.value

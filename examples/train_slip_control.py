@@ -127,9 +127,9 @@ def main():
     asked = parser.parse_args()
     fields = VecMonitor(Fields(asked.tractors, steps=100, seed=asked.seed))
     model = PPO(
-        "MlpPolicy", fields, seed=asked.seed, device="cpu", n_steps=64, batch_size=1024,
+        "MlpPolicy", fields, seed=asked.seed, device="cpu", n_steps=32, batch_size=512,
         n_epochs=8, learning_rate=5e-4, gamma=0.95, gae_lambda=0.9, ent_coef=0.0,
-        policy_kwargs={"net_arch": [64, 64], "log_std_init": -0.7},
+        policy_kwargs={"net_arch": [64, 64], "log_std_init": -1.2},
     )  # fmt: skip
     model.learn(10**9, callback=Budget(asked.minutes))
     model.save(asked.out)

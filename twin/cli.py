@@ -44,7 +44,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return _dispatch(args)
     except TwinError as error:
-        return _refuse(str(error))
+        return _refuse(str(error) + _left_by(error))
     except KeyboardInterrupt:
         print("twin: interrupted; nothing was written", file=sys.stderr)
         return INTERRUPTED
@@ -94,6 +94,20 @@ def _version() -> str:
     from importlib import metadata
 
     return f"tractor-twin {metadata.version('tractor-twin')}"
+
+
+def _left_by(error: TwinError) -> str:
+    """Write down what repeats a failed simulation, and say where; other errors leave nothing."""
+    evidence = getattr(error, "evidence", None)
+    if evidence is None:
+        return ""
+    from twin import runfolder
+
+    try:
+        folder = runfolder.write_failed(evidence)
+    except (TwinError, OSError) as why:
+        return f"; what repeats it could not be written: {why}"
+    return f"; {folder} repeats it (twin.machine.guard.replay)"
 
 
 def _refuse(message: str) -> int:

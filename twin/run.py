@@ -13,6 +13,7 @@ from twin import sensors, truth
 from twin.machine.build import Machine, build
 from twin.machine.driver import FULL_DEPTH
 from twin.machine.geometry import geometry
+from twin.machine.notes import notes
 from twin.machine.simulate import simulate
 from twin.scenario import Scenario
 from twin.streams import Setup, Streams, Table, concatenate
@@ -40,6 +41,8 @@ class Run:
     wall_s: float
     ended: str = "course driven"
     """Why the run ended."""
+    notes: tuple[str, ...] = ()
+    """Where the run leaves the range in which its soil law was measured, in sentences."""
 
 
 def run(
@@ -56,7 +59,7 @@ def run(
         progress: told the fraction of the course driven, from 0 to 1.
 
     Raises:
-        Diverged: the simulation left the finite numbers.
+        Diverged: the simulation left the finite numbers; its evidence repeats the last second.
     """
     start = time.perf_counter()
     machine = build(scenario)
@@ -69,7 +72,7 @@ def run(
         for name, estimator in estimators.items()
     }
     wall_s = time.perf_counter() - start
-    return Run(scenario, setup, streams, true, estimates, wall_s, ended)
+    return Run(scenario, setup, streams, true, estimates, wall_s, ended, notes(machine))
 
 
 def _ended(machine: Machine, true: Table) -> str:

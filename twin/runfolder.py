@@ -112,7 +112,7 @@ def write(
     """
     refuse_foreign(directory)
     try:
-        with _renamed_when_complete(directory) as partial:
+        with renamed_when_complete(directory) as partial:
             _write_all(run, scores, partial)
             for name, picture in (pictures or {}).items():
                 picture(run, scores, partial / name)
@@ -121,8 +121,34 @@ def write(
     return directory
 
 
+class Evidence(Protocol):
+    """What a failed simulation leaves behind, as `twin.machine.guard.Evidence` does."""
+
+    @property
+    def scenario(self) -> Any:
+        """What was run."""
+
+    def write(self, directory: Path) -> None:
+        """Write it all into a directory."""
+
+
+def write_failed(evidence: Evidence) -> Path:
+    """Write what repeats a failed run as runs/failed-<name>-seed<N>; returns the folder.
+
+    Raises:
+        BadInput: the name is taken by something else.
+    """
+    scenario = evidence.scenario
+    directory = default_directory(f"failed-{scenario.name}", scenario.seed)
+    refuse_foreign(directory)
+    with renamed_when_complete(directory) as partial:
+        evidence.write(partial)
+    return directory
+
+
 @contextmanager
-def _renamed_when_complete(directory: Path) -> Iterator[Path]:
+def renamed_when_complete(directory: Path) -> Iterator[Path]:
+    """A hidden sibling to write into, which takes the directory's name and place when left."""
     directory.parent.mkdir(parents=True, exist_ok=True)
     partial = Path(tempfile.mkdtemp(prefix=f".{directory.name}.", dir=directory.parent))
     try:

@@ -20,6 +20,11 @@ FLAT = 1.0
 """Least sd of a picture's brightness: below it there is nothing to see. The noise of a frame
 averages out to about 0.4 at the working size."""
 
+EVENED_PX = 29
+"""Width of the box that brightness is evened out with, twice."""
+LEVEL = 100.0
+"""Brightness of an evened picture: a middle grey of bytes."""
+
 BODY_FROM_IMAGE = np.array([[0.0, -1.0], [-1.0, 0.0]])
 """Right in the picture is body -y, down is body -x."""
 CAMERA_FROM_BODY = np.array([[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
@@ -83,7 +88,18 @@ def picture(frame: NDArray[np.uint8] | None, lens: Lens) -> tuple[Picture | None
     small = cv2.resize(cut.astype(np.float32), size, interpolation=cv2.INTER_AREA)
     if not float(small.std()) >= FLAT:
         return None, Reason.FLAT
-    return np.asarray(small, np.float32), Reason.USED
+    return evened(np.asarray(small, np.float32)), Reason.USED
+
+
+def evened(small: Picture) -> Picture:
+    """Brightness over its local mean, times LEVEL.
+
+    A lens lets less light through towards the corners. That shade stands still while the ground
+    moves, and would pull every displacement towards zero: cos^4 by 0.1 % of 20 px, with this 0.04.
+    """
+    box = (EVENED_PX, EVENED_PX)
+    around = cv2.blur(cv2.blur(small, box), box)  # twice is nearly a Gaussian
+    return np.asarray(LEVEL * small / np.maximum(around, 1.0), np.float32)
 
 
 def same_shape(frame: NDArray[np.uint8], lens: Lens) -> bool:
@@ -91,7 +107,7 @@ def same_shape(frame: NDArray[np.uint8], lens: Lens) -> bool:
     height, width = frame.shape[:2]
     if min(height, width) < 32:
         return False
-    return abs(width * lens.height_px - height * lens.width_px) <= lens.width_px
+    return bool(abs(width * lens.height_px - height * lens.width_px) <= lens.width_px)
 
 
 def centre_px(shape: tuple[int, ...]) -> Array:

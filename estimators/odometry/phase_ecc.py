@@ -10,12 +10,13 @@ import math
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
 from estimators.odometry.lens import Array, Picture, centre_px
 from estimators.odometry.match import Match
 
-ITERATIONS, CONVERGED = 30, 1e-5
+ITERATIONS, CONVERGED = 12, 1e-3
 SMOOTHED_PX = 5
 """Width of the Gaussian that ECC smooths both pictures with."""
 LEAST_PSR = 8.0
@@ -26,8 +27,10 @@ FARTHEST_PX = 3.0
 """Farther than this from the peak, ECC has found something else."""
 FLOOR_PX = 0.006
 """sd of ECC's displacement on noise-free pictures: interpolation."""
-PEAK_PX = 0.25
-"""sd of the peak alone, between pixels and with 1 % of scale between the pictures."""
+PEAK_PX = 0.3
+"""sd of the peak alone, measured between pixels and with 1 % of scale between the pictures."""
+SMOOTHED_AREA_PX2 = 15.0
+"""Pixels over which the smoothing makes noise one: 4 pi sd^2 of the Gaussian."""
 
 
 def match(previous: Picture, current: Picture, turn_rad: float) -> Match | None:
@@ -49,7 +52,7 @@ def match(previous: Picture, current: Picture, turn_rad: float) -> Match | None:
     warp, correlation = refined
     return Match(
         previous_from_current=warp,
-        variance_px2=variance_px2(current, correlation, psr),
+        variance_px2=variance_px2(current, correlation),
         quality=correlation,
     )
 
@@ -65,7 +68,7 @@ def peak(previous: Picture, current: Picture, turn_rad: float) -> tuple[Array, f
         flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
         borderMode=cv2.BORDER_REPLICATE,
     )
-    surface = correlation_surface(derotated, current)
+    surface = correlation_surface(np.asarray(derotated, np.float32), current)
     shift, psr = highest(surface)
     turn[:, 2] += turn[:, :2] @ shift
     return turn, psr
@@ -116,26 +119,44 @@ def refine(previous: Picture, current: Picture, start: Array) -> tuple[Array, fl
     first = start.astype(np.float32)
     try:
         correlation, warp = cv2.findTransformECC(
-            current, previous, first, cv2.MOTION_AFFINE, until, None, SMOOTHED_PX
+            current,
+            previous,
+            first,
+            cv2.MOTION_AFFINE,
+            until,
+            _everywhere(current.shape),
+            SMOOTHED_PX,
         )
     except cv2.error:  # says so when the correlation falls
         return None
-    warp = np.asarray(warp, np.float64)
+    found = np.asarray(warp, np.float64)
     centre = np.append(centre_px(current.shape), 1.0)
-    moved = float(np.linalg.norm((warp - start) @ centre))
+    moved = float(np.linalg.norm((found - start) @ centre))
     if not (correlation >= LEAST_CORRELATION and moved <= FARTHEST_PX):
         return None
-    return warp, float(correlation)
+    return found, float(correlation)
 
 
-def variance_px2(current: Picture, correlation: float, psr: float) -> float:
-    """Variance of ECC's displacement of the principal point [px^2].
+def variance_px2(current: Picture, correlation: float) -> float:
+    """Variance of ECC's displacement of the principal point, each axis [px^2].
 
-        var = floor^2 + (1 - rho^2) / rho^2 sd^2 / sum of squared slopes
+        var = floor^2 + area (1 - rho^2) sd^2 / sum of squared slopes
+
+    The second term is the Cramer-Rao bound of a displacement between pictures that differ by noise
+    of variance (1 - rho^2) sd^2, correlated over `area`.
     """
-    return FLOOR_PX**2 + 0.0 * psr * current.size * correlation
+    smooth = cv2.GaussianBlur(current, (SMOOTHED_PX, SMOOTHED_PX), 0)
+    slopes = np.diff(smooth, axis=1)
+    steep = max(float(np.vdot(slopes, slopes)), 1e-9)
+    noise = max(0.0, 1.0 - correlation * correlation) * float(smooth.var())
+    return FLOOR_PX**2 + SMOOTHED_AREA_PX2 * noise / steep
 
 
 @functools.lru_cache(maxsize=4)
-def _hann(shape: tuple[int, int]) -> Picture:
+def _everywhere(shape: tuple[int, ...]) -> NDArray[np.uint8]:
+    return np.full(shape, 255, np.uint8)
+
+
+@functools.lru_cache(maxsize=4)
+def _hann(shape: tuple[int, ...]) -> Picture:
     return np.asarray(cv2.createHanningWindow(shape[::-1], cv2.CV_32F), np.float32)

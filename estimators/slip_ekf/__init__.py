@@ -51,6 +51,12 @@ class SlipEkf:
     """Density of the white noise on the slip's rate [1/s3]."""
     slip_tau: float = 0.3
     """Time over which a slip rate is forgotten [s]."""
+    swing_sd: float = 0.002
+    """sd of the slip that comes of pitching."""
+    swing_hz: float = 2.5
+    """Frequency of that; 1.5-4 Hz for a tractor on its tyres [Hz]."""
+    swing_damping: float = 0.3
+    """Its damping ratio."""
     bias_sd: float = 0.3
     """sd of the accelerometer's bias beside the data sheet's: 2 degrees of mean pitch [m/s2]."""
     bias_psd: float = 5e-4

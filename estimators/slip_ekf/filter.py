@@ -39,6 +39,8 @@ from estimators.slip_ekf.layout import (
     S,
     SIZE,
     SKID,
+    SWING,
+    SWING_RATE,
     V,
     WHEEL_BIAS,
 )
@@ -52,7 +54,7 @@ TUNING = np.dtype(
     [
         (name, "f8")
         for name in (
-            "jerk_psd", "accel_tau", "slip_psd", "slip_tau", "bias_sd", "bias_psd",
+            "jerk_psd", "accel_tau", "slip_psd", "slip_tau", "swing_sd", "swing_hz", "swing_damping", "bias_sd", "bias_psd",
             "radius_sd", "radius_psd", "skid_sd", "skid_psd",
             "quick_skid_sd", "quick_radius_sd", "quick_tau", "late_sd",
             "gate", "patience", "zero_slip", "zero_slip_sd", "unload", "unload_sd",
@@ -289,9 +291,9 @@ def _stand(rear: float, front: float, h: Array, memory: Record) -> None:
     if still:
         h[:] = 0.0
         h[V] = 1.0
-        take(memory.x, memory.cov, h, -memory.x[V], 0.01**2)
+        take(memory.x, memory.cov, h, -memory.x[V], 0.01**2, 0)
         h[V], h[A] = 0.0, 1.0
-        take(memory.x, memory.cov, h, -memory.x[A], 0.05**2)
+        take(memory.x, memory.cov, h, -memory.x[A], 0.05**2, 0)
         _restart(memory, S, 0.05**2)
         _restart(memory, DS, 0.3**2)
 
@@ -311,7 +313,8 @@ def _zero(raised: float, h: Array, tuning: Record, memory: Record) -> None:
         if abs(memory.x[V]) > 0.5 and abs(memory.x[A]) < 0.3:
             h[:] = 0.0
             h[S] = 1.0
-            take(memory.x, memory.cov, h, tuning.zero_slip - memory.x[S], tuning.zero_slip_sd**2)
+            error = tuning.zero_slip - memory.x[S]
+            take(memory.x, memory.cov, h, error, tuning.zero_slip_sd**2, 1)
     elif raised == 0.0 and memory.raised == 1:
         memory.raised = 0
         memory.x[RADIUS] += tuning.unload
@@ -360,6 +363,8 @@ def _begin(
         (QUICK_RADIUS, tuning.quick_radius_sd),
         (LATE, tuning.late_sd),
         (WHEEL_BIAS, tuning.bias_sd),
+        (SWING, tuning.swing_sd),
+        (SWING_RATE, tuning.swing_sd * 2.0 * math.pi * tuning.swing_hz),
     ):
         memory.cov[state, state] = deviation**2
     if not slow:
@@ -389,12 +394,12 @@ def report(row: Record, signal: Record, nominal: Record, tuning: Record, memory:
     if not memory.known:
         return
     x, p = memory.x, memory.cov
-    ratio = model.gearing(x[S])[0]
+    ratio = model.gearing(model.slip_of(x))[0]
     # the driveline turns with the body: over the ground the wheels turn by its pitching more
     wheel = x[V] * ratio + radius(nominal, 1.0) * rate_now(memory)
     row.speed_mps, row.wheel_speed_mps = x[V], wheel
     row.slip = (wheel - x[V]) / max(abs(wheel), abs(x[V]), SLOW_MPS)
-    row.slip_sd = math.sqrt(max(p[S, S], 0.0))
+    row.slip_sd = math.sqrt(max(model.slip_var(p), 0.0))
     across = 0.5 * signal.yaw_rate_radps * nominal.track_rear_m
     for side, at in ((-1.0, 2), (1.0, 3)):
         rim = wheel + side * 0.5 * memory.apart_mps

@@ -12,7 +12,9 @@ SKID, QUICK_SKID, FRONT_TRAVEL, WHEEL_BIAS, LATE, QUICK_RADIUS = range(7, 13)
 """Slow and quick error of the front wheels' travel over the ground's, their travel less what has
 been counted [m], bias of a wheel accelerometer [m/s2], time by which GNSS is later than it
 says [s], quick error of the driven radius under changing load."""
-SIZE = 13
+SWING, SWING_RATE = 13, 14
+"""Slip that comes and goes as the body pitches on its tyres, and its rate [1/s]."""
+SIZE = 15
 
 GATED = 8
 """Flag: a speed was refused since the last estimate: it was further off than its sd allows."""

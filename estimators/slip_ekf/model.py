@@ -2,11 +2,13 @@
 
     dv = a dt                         da = white (jerk)
     ds = s' dt                        ds' = -s' / tau + white
-    d rear travel  = w (1 + radius + quick radius) dt,   w = v / (1 - s)
+    slip = s + o                      o'' = -2 z w o' - w^2 o + white, w = 2 pi 2.5 Hz, z = 0.3
+    d rear travel  = w (1 + radius + quick radius) dt,   w = v / (1 - slip)
     d front travel = v (1 + skid + quick skid) dt
 
-A wheel that turns slower than the ground passes (s < 0) has w = v (1 + s): the two definitions of
-slip that the denominator max(|w|, |v|) joins, with one value and one slope at s = 0.
+A wheel that turns slower than the ground passes (slip < 0) has w = v (1 + slip): the two definitions of
+slip that the denominator max(|w|, |v|) joins, with one value and one slope at 0. Tractors on tyres pitch
+at 2 to 3 Hz without suspension, and slip with the forces that come of it.
 """
 
 from __future__ import annotations
@@ -30,6 +32,8 @@ from estimators.slip_ekf.layout import (
     S,
     SIZE,
     SKID,
+    SWING,
+    SWING_RATE,
     V,
     WHEEL_BIAS,
 )
@@ -45,6 +49,41 @@ def gearing(slip: float) -> tuple[float, float]:
         return 1.0 + max(slip, -LARGEST_SLIP), 1.0
     grip = 1.0 - min(slip, LARGEST_SLIP)
     return 1.0 / grip, 1.0 / grip**2
+
+
+@compiled
+def slip_of(x: Array) -> float:
+    """Slip of the driven axle."""
+    return float(x[S] + x[SWING])
+
+
+@compiled
+def slip_var(p: Array) -> float:
+    """Its variance."""
+    return float(p[S, S] + 2.0 * p[S, SWING] + p[SWING, SWING])
+
+
+@compiled
+def _swing(x: Array, p: Array, dt: float, tuning: Record) -> None:
+    """Step the oscillator exactly; its noise is what keeps its variance, P - Phi P Phi^T."""
+    w, z = 2.0 * math.pi * tuning.swing_hz, tuning.swing_damping
+    free = w * math.sqrt(1.0 - z * z)
+    fade, c, s = math.exp(-z * w * dt), math.cos(free * dt), math.sin(free * dt)
+    a, b = fade * (c + z * w / free * s), fade * s / free
+    k, d = -fade * w * w / free * s, fade * (c - z * w / free * s)
+    low, high = x[SWING], x[SWING_RATE]
+    x[SWING], x[SWING_RATE] = a * low + b * high, k * low + d * high
+    for j in range(SIZE):
+        low, high = p[SWING, j], p[SWING_RATE, j]
+        p[SWING, j], p[SWING_RATE, j] = a * low + b * high, k * low + d * high
+    for j in range(SIZE):
+        low, high = p[j, SWING], p[j, SWING_RATE]
+        p[j, SWING], p[j, SWING_RATE] = a * low + b * high, k * low + d * high
+    at, rate = tuning.swing_sd**2, (tuning.swing_sd * w) ** 2
+    p[SWING, SWING] += at - a * a * at - b * b * rate
+    p[SWING_RATE, SWING_RATE] += rate - k * k * at - d * d * rate
+    p[SWING, SWING_RATE] -= a * k * at + b * d * rate
+    p[SWING_RATE, SWING] -= a * k * at + b * d * rate
 
 
 @compiled
@@ -86,13 +125,15 @@ def carry(x: Array, p: Array, dt: float, tuning: Record) -> None:
         tuning: record of `filter.TUNING`.
     """
     half = 0.5 * dt
-    v, s = x[V] + half * x[A], x[S] + half * x[DS]
+    v = x[V] + half * x[A]
+    s = slip_of(x) + half * (x[DS] + x[SWING_RATE])
     ratio, slope = gearing(s)
     driven = 1.0 + x[RADIUS] + x[QUICK_RADIUS]
     towed = 1.0 + x[SKID] + x[QUICK_SKID]
     row = np.zeros(SIZE)
     row[V], row[A] = dt * ratio * driven, dt * half * ratio * driven
     row[S], row[DS] = dt * v * slope * driven, dt * half * v * slope * driven
+    row[SWING], row[SWING_RATE] = row[S], row[DS]
     row[RADIUS] = row[QUICK_RADIUS] = dt * v * ratio
     _mix(p, REAR_TRAVEL, row)
     row[:] = 0.0
@@ -109,6 +150,7 @@ def carry(x: Array, p: Array, dt: float, tuning: Record) -> None:
     x[FRONT_TRAVEL] += dt * v * towed
     x[V] += dt * x[A]
     x[S] = max(-LARGEST_SLIP, min(LARGEST_SLIP, x[S] + dt * x[DS]))
+    _swing(x, p, dt, tuning)
     _fade(x, p, A, math.exp(-dt / tuning.accel_tau), 0.0)
     _fade(x, p, DS, math.exp(-dt / tuning.slip_tau), 0.0)
     _fade(x, p, QUICK_SKID, math.exp(-dt / tuning.quick_tau), tuning.quick_skid_sd**2)
@@ -144,11 +186,13 @@ def ground_row(x: Array, age: float, h: Array) -> float:
 def rear_row(x: Array, age: float, h: Array) -> float:
     """Speed of the driven wheels as their nominal radius gives it, `age` ago."""
     h[:] = 0.0
-    v, s = x[V] - age * x[A], x[S] - age * x[DS]
+    v = x[V] - age * x[A]
+    s = slip_of(x) - age * (x[DS] + x[SWING_RATE])
     ratio, slope = gearing(s)
     scale = 1.0 + x[RADIUS] + x[QUICK_RADIUS]
     h[V], h[A] = ratio * scale, -age * ratio * scale
     h[S], h[DS] = v * slope * scale, -age * v * slope * scale
+    h[SWING], h[SWING_RATE] = h[S], h[DS]
     h[RADIUS] = h[QUICK_RADIUS] = v * ratio
     return float(v * ratio * scale)
 
@@ -167,9 +211,11 @@ def front_row(x: Array, age: float, h: Array) -> float:
 def wheel_accel_row(x: Array, h: Array) -> float:
     """Acceleration of the driven wheels' rim: dw/dt + bias, dw/dt = a w/v + v (dw/ds)/v s'."""
     h[:] = 0.0
-    ratio, slope = gearing(x[S])
-    steeper = 2.0 * slope * ratio if x[S] >= 0.0 else 0.0
-    h[V], h[A] = slope * x[DS], ratio
-    h[S] = x[A] * slope + x[V] * steeper * x[DS]
-    h[DS], h[WHEEL_BIAS] = x[V] * slope, 1.0
-    return float(x[A] * ratio + x[V] * slope * x[DS] + x[WHEEL_BIAS])
+    slip, rate = slip_of(x), x[DS] + x[SWING_RATE]
+    ratio, slope = gearing(slip)
+    steeper = 2.0 * slope * ratio if slip >= 0.0 else 0.0
+    h[V], h[A] = slope * rate, ratio
+    h[S] = h[SWING] = x[A] * slope + x[V] * steeper * rate
+    h[DS] = h[SWING_RATE] = x[V] * slope
+    h[WHEEL_BIAS] = 1.0
+    return float(x[A] * ratio + x[V] * slope * rate + x[WHEEL_BIAS])

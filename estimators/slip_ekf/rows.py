@@ -6,6 +6,7 @@ import numpy as np
 
 from estimators.compiled import compiled
 from estimators.kalman import Array, Record
+from estimators.slip_ekf.layout import RADIUS
 
 
 @compiled
@@ -21,8 +22,13 @@ def innovation_var(p: Array, h: Array, r: float) -> float:
 
 
 @compiled
-def take(x: Array, p: Array, h: Array, error: float, r: float) -> None:
-    """K = P h^T / S,  x <- x + K e,  P <- P - K S K^T, in place; P stays symmetric to the bit."""
+def take(x: Array, p: Array, h: Array, error: float, r: float, learns: int) -> None:
+    """K = P h^T / S,  x <- x + K e,  P <- P - K S K^T, in place; P stays symmetric to the bit.
+
+    The radius is learnt only where `learns` is 1. Elsewhere nothing tells it from slip but the
+    linearisation, which changes with the slip and would feign it: its gain is zero and its
+    variance stays (Schmidt's consider state).
+    """
     n = len(x)
     ph = np.zeros(n)
     variance = r
@@ -34,12 +40,16 @@ def take(x: Array, p: Array, h: Array, error: float, r: float) -> None:
         variance += h[i] * ph[i]
     if not variance > 0.0:
         return
+    kept = p[RADIUS, RADIUS]
     for i in range(n):
         gain = ph[i] / variance
-        x[i] += gain * error
+        if i != RADIUS or learns:
+            x[i] += gain * error
         for j in range(i, n):
             p[i, j] -= gain * ph[j]
             p[j, i] = p[i, j]
+    if not learns:
+        p[RADIUS, RADIUS] = kept
 
 
 @compiled
@@ -76,7 +86,7 @@ def gated(
     else:
         count(memory, source, nis)
     memory.refused_ns[source] = -1
-    take(memory.x, memory.cov, h, error, r)
+    take(memory.x, memory.cov, h, error, r, memory.raised)
     return 1
 
 
@@ -93,4 +103,4 @@ def followed(
     count(memory, source, nis)
     if nis > gate**2 and h[state] != 0.0:
         memory.cov[state, state] += (error * error / gate**2 - variance) / h[state] ** 2
-    take(memory.x, memory.cov, h, error, r)
+    take(memory.x, memory.cov, h, error, r, memory.raised)

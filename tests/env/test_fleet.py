@@ -126,8 +126,9 @@ def test_a_start_on_a_slope_is_settled_on_it(machine):
     lie = grounds.Lie(cross_slope_deg=5.0, grade_deg=3.0)
     begin = starts.settle(machine, [lie], seen=False)[0]
     fleet = Fleet(machine)
-    level = {"field.origin_m": (0.0, 0.0), "field.patches": ()}
-    drawn = grounds.draw(np.random.default_rng(0), level, [lie])
+    same = {"soil.preset": "firm", "soil.friction": 0.88, "soil.cone_index_kpa": 1200.0}
+    same |= {"field.origin_m": (0.0, 0.0), "field.patches": ()}
+    drawn = grounds.draw(np.random.default_rng(0), same, [lie])
     fleet.restore([0], [begin], [drawn])
     true = fleet.true()
     load_n = sum(float(true[f"load_{w}_n"][0]) for w in ("fl", "fr", "rl", "rr"))

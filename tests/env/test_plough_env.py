@@ -316,3 +316,11 @@ def test_a_picture_shows_something():
 def test_a_run_imports_no_gymnasium():
     code = "import sys, twin.run, twin.truth; sys.exit('gymnasium' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_stable_baselines3_finds_nothing_to_say(mode):
+    pytest.importorskip("stable_baselines3")
+    from stable_baselines3.common.env_checker import check_env as check_for_learning
+
+    check_for_learning(gymnasium.make("twin.env:Plough-v0", observation=mode))

@@ -25,7 +25,7 @@ class CompareControllers:
     """Held-out grounds."""
     policy: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()
     """A policy saved by stable-baselines3; may be given several times."""
-    duration_s: float = 30.0
+    duration_s: float = 20.0
     """Length of an episode; what is judged begins 5 s after its start."""
     observation: str = "estimate"
     """What the controllers see: estimate or truth."""

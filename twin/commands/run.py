@@ -74,6 +74,7 @@ def execute(scenario: Any, options: Options) -> Path:
         window=window,
     )
     table["ended"] = result.ended
+    table["notes"] = list(result.notes)
     runfolder.write(result, table, directory, pictures=_pictures())
     _say(result, table, directory, options)
     return directory
@@ -123,6 +124,8 @@ def _say(result: Run, table: Mapping[str, Any], directory: Path, options: Option
         print(json.dumps(table, indent=2))
     elif not options.quiet:
         print_scores(table)
+        for note in result.notes:
+            console().print(f"beyond the law's range: {note}", style="dim", highlight=False)
         simulated_s = float(result.truth["epoch_ns"][-1] - result.truth["epoch_ns"][0]) * 1e-9
         pace = f"{simulated_s:.0f} s driven in {result.wall_s:.1f} s" if result.wall_s else ""
         console().print(f"{pace}; {directory}/report.html, {directory}/run.rrd", highlight=False)

@@ -42,6 +42,8 @@ class Machine:
     start_act: Array
     """Activations there: what the tyres have wound up. Shape (na,)."""
     start_speed_mps: float
+    start_load_n: Array
+    """Load of each wheel there. Shape (4,)."""
 
     @property
     def throttle(self) -> float:
@@ -70,13 +72,13 @@ def build(scenario: Scenario, *, looks: bool = False) -> Machine:
             rim.contype = rim.conaffinity = 0
     rotation = world_from_ground(scenario.field, scenario.course)
     _add_ground(spec, rotation)
-    activations = _add_activations(spec)
+    _add_activations(spec)
     if scenario.plough is not None:
         spec.body("plough.frame").quat = levelled(furrow_roll_rad(scenario, spec))
     spec.option.timestep = scenario.timestep_s
     spec.add_sensor(name="potential_j", type=mujoco.mjtSensor.mjSENS_E_POTENTIAL)
     spec.add_sensor(name="kinetic_j", type=mujoco.mjtSensor.mjSENS_E_KINETIC)
-    spec.nuserdata = block.RATE_SLOTS + len(activations)
+    spec.nuserdata = block.RATE_SLOTS + _activation_count(spec)
     spec.add_numeric(name="tractor_twin", size=block.SIZE, data=[0.0] * block.SIZE)
     spec.compiler.discardvisual = not looks
     model = spec.compile()
@@ -99,8 +101,10 @@ def build(scenario: Scenario, *, looks: bool = False) -> Machine:
         )
     speed = unloaded_speed_mps(scenario, numbers)
     start = standing(model, scenario, rotation, hitch, work_rad)
-    qpos, act = settled(model, start, rotation, scenario.name)
-    return Machine(scenario, model, numbers, rotation, hitch, work_rad, qpos, act, speed)
+    rest = settled(model, start, rotation, scenario)
+    return Machine(
+        scenario, model, numbers, rotation, hitch, work_rad, rest.qpos, rest.act, speed, rest.load_n
+    )
 
 
 def _leave_plough(spec: Any) -> None:
@@ -120,7 +124,7 @@ def _add_ground(spec: Any, rotation: Array) -> None:
     )
 
 
-def _add_activations(spec: Any) -> list[str]:
+def _add_activations(spec: Any) -> None:
     """Tyre deflections and wind-ups: MuJoCo activations whose rates our callback gives."""
     names = [f"{w}_tyre_{axis}" for w in block.WHEELS for axis in "xy"]
     names += [f"{c}_windup" for c in block.COUPLINGS]
@@ -132,7 +136,12 @@ def _add_activations(spec: Any) -> list[str]:
             dyntype=mujoco.mjtDyn.mjDYN_USER,
         )
         actuator.gainprm[0] = 0.0
-    return names
+
+
+def _activation_count(spec: Any) -> int:
+    """How many activations the model will have, those of its own actuators too."""
+    none = mujoco.mjtDyn.mjDYN_NONE
+    return sum(max(1, a.actdim) for a in spec.actuators if a.dyntype != none)
 
 
 def _hitch(spec: Any) -> Hitch | None:

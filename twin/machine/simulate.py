@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from twin.machine.build import Machine
 from twin.machine.columns import Recorder
 from twin.machine.driver import Hands, Observed, Task, ackermann, drive
+from twin.machine.guard import Tape, all_finite, diverged, quiet
 from twin.machine.plough_setting import expected_draft_n
-from twin.machine.start import RAISED_RAD, Diverged, refuse_warnings
+from twin.machine.start import RAISED_RAD
 from twin.machine.trajectory import Trajectory
 from twin.physics import block
 from twin.physics.block import MachineSlot
@@ -57,6 +58,8 @@ class Cab:
         self.batch = Batch(model, nsim=1, nthread=1)
         self.qpos, self.qvel = self.batch.bind("qpos"), self.batch.bind("qvel")
         self.ctrl, self.userdata = self.batch.bind("ctrl"), self.batch.bind("userdata")
+        self.state, self.warned = self.batch.state[0], self.batch.warning[0, :, 1]
+        self.tape = Tape(len(self.state), DECISION_S)
         self.dt_s = float(model.opt.timestep)
         self.steps = round(DECISION_S / self.dt_s)
         self.controls = {n: model.actuator(n).id for n in CONTROLS if _has_actuator(model, n)}
@@ -103,7 +106,11 @@ class Cab:
         )
 
     def act(self) -> dict[Any, NDArray[Any]]:
-        """Decide, then run to the next decision; what was recorded after each step."""
+        """Decide, then run to the next decision; what was recorded after each step.
+
+        Raises:
+            Diverged: the state or a slot of it is not finite, or MuJoCo warned.
+        """
         self.hands = drive(self.task, self.hands, self.observe(), DECISION_S)
         if not self.machine.scenario.course.hold_line:
             self.hands = replace(self.hands, steer_rad=0.0)
@@ -116,7 +123,15 @@ class Cab:
         for name, value in zip(CONTROLS, values, strict=True):
             if name in self.controls:
                 self.ctrl[0, self.controls[name]] = value
-        return self.batch.rollout(self.steps, record=("sensordata", "userdata"))
+        self.tape.keep(self.state)
+        record = self.batch.rollout(self.steps, record=("sensordata", "userdata"))
+        self._refuse_failure(record["userdata"])
+        return record
+
+    def _refuse_failure(self, slots: NDArray[Any]) -> None:
+        if not (all_finite(self.state) and all_finite(slots)) or np.count_nonzero(self.warned):
+            scenario, model = self.machine.scenario, self.batch.get_model(0)
+            raise diverged(scenario, model, self.tape, self.steps)
 
     def finished(self, seen: Observed) -> bool:
         """Whether the course has been driven."""
@@ -147,23 +162,15 @@ def simulate(machine: Machine, chunk_decisions: int = CHUNK_DECISIONS) -> Iterat
         Diverged: a state is not finite, or MuJoCo warned.
     """
     cab, recorder = Cab(machine), Recorder(machine)
-    records: list[dict[Any, NDArray[Any]]] = []
     reached_m, standing_s, finished = 0.0, 0.0, False
     while not finished:
-        records.append(cab.act())
-        seen = cab.observe()
-        standing_s += DECISION_S
-        if seen.along_m >= reached_m + STALL_MPS * STALL_S:
-            reached_m, standing_s = seen.along_m, 0.0
-        finished = cab.finished(seen) or standing_s > STALL_S
-        if finished or len(records) == chunk_decisions:
-            _check(cab, recorder.time_s)
-            yield recorder.trajectory(records)
-            records = []
-
-
-def _check(cab: Cab, time_s: float) -> None:
-    name = cab.machine.scenario.name
-    refuse_warnings(cab.batch.warning[0, :, 1], name, time_s)
-    if not np.all(np.isfinite(cab.qpos)):
-        raise Diverged(f"qpos is not finite in '{name}' after {time_s:.2f} s")
+        records: list[dict[Any, NDArray[Any]]] = []
+        with quiet():
+            while not (finished or len(records) == chunk_decisions):
+                records.append(cab.act())
+                seen = cab.observe()
+                standing_s += DECISION_S
+                if seen.along_m >= reached_m + STALL_MPS * STALL_S:
+                    reached_m, standing_s = seen.along_m, 0.0
+                finished = cab.finished(seen) or standing_s > STALL_S
+        yield recorder.trajectory(records)

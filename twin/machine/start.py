@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.errors import TwinError
 from twin.machine.ground_frame import quaternion
+from twin.machine.guard import STATE, Tape, all_finite, diverged, quiet, warning_text
+from twin.machine.guard import Diverged as Diverged
 from twin.machine.hitch import Hitch
 from twin.physics import block
+from twin.physics.block import WheelSlot
 from twin.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -21,10 +24,8 @@ RAISED_RAD = 0.6
 """Lower-link angle with the plough carried."""
 SETTLE_S = 4.0
 """Time in which the machine settles on its tyres before a run."""
-
-
-class Diverged(TwinError, ArithmeticError):
-    """The simulation left the finite numbers, or MuJoCo warned."""
+LOOK_S = 0.02
+"""Time between two looks whether it is still finite."""
 
 
 def unloaded_speed_mps(scenario: Scenario, numbers: dict[str, float]) -> float:
@@ -38,11 +39,20 @@ def unloaded_speed_mps(scenario: Scenario, numbers: dict[str, float]) -> float:
     return rpm * math.pi / 30.0 / drive.gear_ratio * radius_m
 
 
-def settled(model: Any, qpos: Array, rotation: Array, name: str) -> tuple[Array, Array]:
-    """Where the machine comes to rest with the brakes on and the plough carried.
+@dataclass(frozen=True)
+class Settled:
+    """A machine at rest on its tyres."""
 
-    Returns:
-        qpos, and the activations with all couplings released. Shapes (nq,), (na,).
+    qpos: Array
+    """Shape (nq,)."""
+    act: Array
+    """Activations with all couplings released. Shape (na,)."""
+    load_n: Array
+    """Load of each wheel. Shape (4,)."""
+
+
+def settled(model: Any, qpos: Array, rotation: Array, scenario: Scenario) -> Settled:
+    """Where the machine comes to rest with the brakes on and the plough carried.
 
     Raises:
         Diverged: it does not come to rest as a finite number.
@@ -53,11 +63,26 @@ def settled(model: Any, qpos: Array, rotation: Array, name: str) -> tuple[Array,
         actuator = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, control)
         if actuator >= 0:
             state.ctrl[actuator] = value
-    mujoco.mj_step(model, state, round(SETTLE_S / model.opt.timestep))
-    refuse_warnings(np.array([w.number for w in state.warning]), name, SETTLE_S)
+    _settle(model, state, scenario)
     act = np.array(state.act)
     act[2 * len(block.WHEELS) :] = 0.0
-    return back_on_line(np.array(state.qpos), qpos, rotation), act
+    slots = state.userdata[: block.MACHINE_SLOTS].reshape(len(block.WHEELS), -1)
+    load_n = np.array(slots[:, WheelSlot.LOAD_N])
+    return Settled(back_on_line(np.array(state.qpos), qpos, rotation), act, load_n)
+
+
+def _settle(model: Any, state: Any, scenario: Scenario) -> None:
+    """Let it come to rest, and refuse what diverges."""
+    row = np.empty(mujoco.mj_stateSize(model, STATE))
+    tape, steps = Tape(len(row), LOOK_S), round(LOOK_S / model.opt.timestep)
+    for _ in range(round(SETTLE_S / LOOK_S)):
+        mujoco.mj_getState(model, state, row, STATE)
+        tape.keep(row)
+        with quiet():
+            mujoco.mj_step(model, state, steps)
+        finite = all(all_finite(a) for a in (state.qpos, state.qvel, state.act, state.userdata))
+        if not finite or any(w.number for w in state.warning):
+            raise diverged(scenario, model, tape, steps, during="settling")
 
 
 def back_on_line(settled_qpos: Array, start_qpos: Array, rotation: Array) -> Array:
@@ -83,8 +108,7 @@ def refuse_warnings(counts: NDArray[Any], name: str, time_s: float) -> None:
     """Raise Diverged if MuJoCo has warned."""
     warned = np.flatnonzero(counts)
     if len(warned):
-        warning = mujoco.mjtWarning(int(warned[0])).name
-        raise Diverged(f"MuJoCo warned ({warning}) in '{name}' after {time_s:.2f} s")
+        raise Diverged(f"{warning_text(int(warned[0]))} after {time_s:.2f} s of '{name}'")
 
 
 def standing(

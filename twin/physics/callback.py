@@ -25,6 +25,7 @@ from twin.physics.block import (
     MachineSlot,
     Plough,
     PowerSlot,
+    Soil,
     Wheel,
     WheelSlot,
 )
@@ -48,7 +49,9 @@ from twin.physics.shapes import Array
 from twin.physics.tyre import roll_wheel
 
 _ = layout.offset
-NV, NBODY, NNUMERIC = (_("mjModel", n) for n in ("nv", "nbody", "nnumeric"))
+NV, NA, NBODY, NNUMERIC, NUSERDATA = (
+    _("mjModel", n) for n in ("nv", "na", "nbody", "nnumeric", "nuserdata")
+)
 TIMESTEP = _("mjModel", "opt.timestep")
 NUMERIC_ADR, NUMERIC_SIZE, NUMERIC_DATA = (
     _("mjModel", n) for n in ("numeric_adr", "numeric_size", "numeric_data")
@@ -71,28 +74,39 @@ POWER_SLOTS, SCRATCH_SLOTS = block.POWER_SLOTS, block.SCRATCH_SLOTS
 COUPLING, COUPLING_SIZE = block.COUPLING, int(Coupling.SIZE)
 CLUTCH, LOCK, FRONT_DRIVE, BRAKE_RL, BRAKE_RR = range(5)
 WHEEL_SIZE, WHEEL_SLOTS = int(Wheel.SIZE), int(WheelSlot.SIZE)
-MACHINE_SLOTS, MAGIC, BLOCK_SIZE = block.MACHINE_SLOTS, block.MAGIC, block.SIZE
+MACHINE_SLOTS, BLOCK_SIZE, SOIL_SIZE = block.MACHINE_SLOTS, block.SIZE, int(Soil.SIZE)
+MAGIC, VERSION = block.MAGIC, block.VERSION
 
 
 @law
 def find_block(model: Any) -> int:
-    """Address of the parameter block in numeric_data, or -1 for a model that is not ours."""
+    """Address of the parameter block in numeric_data, or -1 for a model that is not ours.
+
+    Neither is one whose block has another version, or whose userdata has no room for the slots.
+    """
     count = memory.size(model, NNUMERIC)
     if count == 0:
         return -1
     if memory.ints(model, NUMERIC_SIZE)[count - 1] != BLOCK_SIZE:
         return -1
     address = memory.ints(model, NUMERIC_ADR)[count - 1]
-    if memory.doubles(model, NUMERIC_DATA)[address] != MAGIC:
+    head = carray(memory.doubles(model, NUMERIC_DATA), address + BLOCK_SIZE)[address:]
+    if head[Head.MAGIC] != MAGIC or head[Head.VERSION] != VERSION:
+        return -1
+    if head[Head.RATES] < SCRATCH_SLOTS + SOIL_SIZE:
+        return -1
+    if memory.size(model, NUSERDATA) < head[Head.RATES] + memory.size(model, NA):
         return -1
     return address
 
 
 @law
 def last_dof(model: Any, body: int) -> int:
-    """The last degree of freedom that moves a body."""
+    """The last degree of freedom that moves a body, or -1 for one that nothing moves."""
     count, parent = memory.ints(model, BODY_DOFNUM), memory.ints(model, BODY_PARENTID)
     while count[body] == 0:
+        if body == 0:
+            return -1
         body = parent[body]
     return memory.ints(model, BODY_DOFADR)[body] + count[body] - 1
 

@@ -29,7 +29,10 @@ LOSSES = (
 
 @dataclass(frozen=True, kw_only=True)
 class Pass:
-    """Means over the scored part of a pass; the power balance over all of it."""
+    """Means over the scored part of a pass; the power balance over all of it.
+
+    The roll counts positive towards the furrow.
+    """
 
     speed_kmh: float
     slip: float
@@ -60,7 +63,10 @@ def drive(scenario: Scenario) -> Pass:
 
 
 def measure(machine: Machine, table: Table) -> Pass:
-    """Measure a pass from its truth."""
+    """Measure a pass from its truth. Raises BadInput if it did not plough."""
+    plough = machine.scenario.plough
+    if plough is None or not table["ploughing"].any():
+        raise BadInput(f"{machine.scenario.name}, seed {machine.scenario.seed}: it did not plough")
     travelled = np.cumsum(table["speed_mps"]) * truth.PERIOD_NS * 1e-9
     start = travelled[np.argmax(table["ploughing"])] + SETTLING_M
     if start >= travelled[-1]:
@@ -69,7 +75,8 @@ def measure(machine: Machine, table: Table) -> Pass:
     speed, draft = part["speed_mps"], part["draft_n"]
     track_m = 2.0 * float(machine.model.body("rl_wheel").pos[1])
     stiffness = machine.numbers["tyre_rear.stiffness_npm"]
-    deflection_m = float(np.mean(part["load_rr_n"] - part["load_rl_n"])) / stiffness
+    lower, upper = ("rl", "rr") if plough.furrow == "left" else ("rr", "rl")
+    deflection_m = float(np.mean(part[f"load_{lower}_n"] - part[f"load_{upper}_n"])) / stiffness
     depth_m = float(np.mean(part["depth_m"]))
     return Pass(
         speed_kmh=3.6 * float(np.mean(speed)),
@@ -80,7 +87,7 @@ def measure(machine: Machine, table: Table) -> Pass:
         draft_length_m=correlation_length_m(draft, float(np.mean(speed))),
         draft_over_d497=float(np.mean(draft) / np.mean(d497_n(machine, speed, part["depth_m"]))),
         depth_m=depth_m,
-        roll_deg=float(np.degrees(np.mean(roll_rad(part)))),
+        roll_deg=abs(float(np.degrees(np.mean(roll_rad(part))))),
         roll_expected_deg=float(np.degrees(np.arctan((depth_m + deflection_m) / track_m))),
         power_closure=power_closure(table),
         length_m=float(travelled[-1] - start),

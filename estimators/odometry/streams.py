@@ -1,0 +1,143 @@
+"""Visual odometry over streams: integrates the gyros between frames, and tables the velocities."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from estimators.odometry import odometry
+from estimators.odometry.lens import Array, Lens
+from estimators.odometry.odometry import Motion
+from twin.streams import COLUMNS, Setup, Streams, Table
+
+KEPT = 256
+"""Gyro samples that are remembered: over a second at 200 Hz, longer than any frame is late."""
+_GYRO = ("gyro_x_radps", "gyro_y_radps", "gyro_z_radps")
+_SENSORS = tuple(COLUMNS)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gyros:
+    """The last gyro samples and their integral."""
+
+    epoch_ns: tuple[int, ...] = ()
+    angle_rad: tuple[tuple[float, float, float], ...] = ()
+    """Integral of the rates up to each epoch."""
+    rate_radps: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """The last rates."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class State:
+    """What odometry carries from chunk to chunk."""
+
+    odometry: odometry.State
+    gyros: Gyros = field(default_factory=Gyros)
+    angle_rad: tuple[float, float, float] | None = None
+    """The integral at the last frame; None before the first."""
+
+
+def init(setup: Setup, method: str = "phase-ecc") -> State:
+    """The state before the first sample.
+
+    Raises:
+        ValueError: the set-up has no camera, or no method has that name.
+    """
+    if setup.camera is None:
+        raise ValueError("visual odometry needs setup.camera, the intrinsics; there is none")
+    if method not in odometry.METHODS:
+        known = ", ".join(odometry.METHODS)
+        raise ValueError(f"no odometry method is called '{method}'; there are: {known}")
+    return State(odometry=odometry.begin(Lens.of(setup.camera), method))
+
+
+def run(state: State, chunk: Streams) -> tuple[State, Table]:
+    """The velocities of a chunk's frames, in order of arrival.
+
+    Gyro samples that arrived before a frame say how the body turned up to it; from the last of
+    them its rate goes on. A frame that `chunk.frames` does not have is a missing one.
+
+    Returns:
+        The state after it, and a table with one row per frame: see `table`.
+    """
+    motions: list[Motion] = []
+    gyro = np.column_stack([chunk.column("imu", name) for name in _GYRO])
+    for sensor, row in zip(*chunk.merge_order(), strict=True):
+        if _SENSORS[sensor] == "imu":
+            epoch_ns = int(chunk["imu"]["epoch_ns"][row])
+            state = replace(state, gyros=integrate(state.gyros, epoch_ns, gyro[row]))
+        elif _SENSORS[sensor] == "camera":
+            state, motion = _frame(state, chunk, int(row))
+            motions.append(motion)
+    return state, table(motions)
+
+
+def _frame(state: State, chunk: Streams, row: int) -> tuple[State, Motion]:
+    camera = chunk["camera"]
+    epoch_ns, number = int(camera["epoch_ns"][row]), int(camera["frame"][row])
+    angle = angle_at(state.gyros, epoch_ns)
+    before = angle if state.angle_rad is None else np.array(state.angle_rad)
+    turn = angle - before if state.gyros.epoch_ns else None
+    frame = None if chunk.frames is None else chunk.frames.get(number)
+    after, motion = odometry.step(state.odometry, frame, epoch_ns, turn)
+    kept = (float(angle[0]), float(angle[1]), float(angle[2]))
+    return replace(state, odometry=after, angle_rad=kept), motion
+
+
+def integrate(gyros: Gyros, epoch_ns: int, rate_radps: Array) -> Gyros:
+    """Add a sample by the trapezoidal rule; one that is NaN or not newer changes nothing."""
+    if not np.all(np.isfinite(rate_radps)):
+        return gyros
+    rate = (float(rate_radps[0]), float(rate_radps[1]), float(rate_radps[2]))
+    if not gyros.epoch_ns:
+        return Gyros(epoch_ns=(epoch_ns,), angle_rad=((0.0, 0.0, 0.0),), rate_radps=rate)
+    step_s = (epoch_ns - gyros.epoch_ns[-1]) * 1e-9
+    if step_s <= 0.0:
+        return gyros
+    last = gyros.angle_rad[-1]
+    x, y, z = (
+        a + 0.5 * step_s * (r0 + r1) for a, r0, r1 in zip(last, gyros.rate_radps, rate, strict=True)
+    )
+    return Gyros(
+        epoch_ns=(*gyros.epoch_ns[1 - KEPT :], epoch_ns),
+        angle_rad=(*gyros.angle_rad[1 - KEPT :], (x, y, z)),
+        rate_radps=rate,
+    )
+
+
+def angle_at(gyros: Gyros, epoch_ns: int) -> Array:
+    """The integral at an epoch: linear between samples, at the last rate after them."""
+    if not gyros.epoch_ns:
+        return np.zeros(3)
+    last_ns = gyros.epoch_ns[-1]
+    angles = np.array(gyros.angle_rad)
+    if epoch_ns >= last_ns:
+        beyond: Array = angles[-1] + np.array(gyros.rate_radps) * ((epoch_ns - last_ns) * 1e-9)
+        return beyond
+    since_ns = np.array(gyros.epoch_ns) - last_ns  # small numbers, exact as floats
+    return np.array([np.interp(epoch_ns - last_ns, since_ns, a) for a in angles.T])
+
+
+def table(motions: list[Motion]) -> Table:
+    """The motions as columns.
+
+    epoch_ns interval_s v_x_mps v_y_mps var_x_m2ps2 var_y_m2ps2 cov_xy_m2ps2 yaw_rad scale quality
+    used reason: as in `Motion`; the velocity is of the optical centre, `reason` is a `Reason`.
+    """
+    velocity = np.array([m.velocity_mps for m in motions]).reshape(-1, 2)
+    covariance = np.array([m.covariance for m in motions]).reshape(-1, 2, 2)
+    return {
+        "epoch_ns": np.array([m.epoch_ns for m in motions], np.int64),
+        "interval_s": np.array([m.interval_s for m in motions], float),
+        "v_x_mps": velocity[:, 0],
+        "v_y_mps": velocity[:, 1],
+        "var_x_m2ps2": covariance[:, 0, 0],
+        "var_y_m2ps2": covariance[:, 1, 1],
+        "cov_xy_m2ps2": covariance[:, 0, 1],
+        "yaw_rad": np.array([m.yaw_rad for m in motions], float),
+        "scale": np.array([m.scale for m in motions], float),
+        "quality": np.array([m.quality for m in motions], float),
+        "used": np.array([m.used for m in motions], bool),
+        "reason": np.array([int(m.reason) for m in motions], np.int8),
+    }

@@ -1,0 +1,183 @@
+"""Random scenarios over the whole range a scenario permits: a drive, or a refusal before it.
+
+By hand, more of them and from another seed:
+
+    RANDOM_SCENARIOS=2000 RANDOM_SEED=1 python -m pytest tests/integration/test_random_scenarios.py
+"""
+
+import dataclasses
+import itertools
+import os
+import time
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from twin.errors import TwinError
+from twin.machine.build import build
+from twin.machine.guard import Diverged
+from twin.machine.simulate import simulate
+from twin.scenario import (
+    DEFORMABLE_RANGES,
+    FURROW_SIDES,
+    HITCH_MODES,
+    MACHINES,
+    MOST_PATCHES,
+    ROUGHNESS,
+    STEPS_S,
+    Course,
+    Drive,
+    Field,
+    Patch,
+    Plough,
+    Scenario,
+    Soil,
+)
+from twin.soils import LAWS, PRESETS
+
+COUNT = int(os.environ.get("RANDOM_SCENARIOS", "40"))
+SEED = int(os.environ.get("RANDOM_SEED", "0"))
+DRIVEN_S = 5.0
+MOST_MPS = 40.0
+"""No machine here reaches it; a simulation that gives energy away does."""
+
+FLAG = (False, True)
+RANGES = {
+    Soil: {
+        "preset": tuple(PRESETS), "law": LAWS, "friction": (0.05, 1.5),
+        "cone_index_kpa": (50.0, 5000.0), "draft_scale": (0.0, 2.0), "draft_cv": (0.0, 0.5),
+        "draft_length_m": (0.2, 100.0), "ripple_cv": (0.0, 0.5), "strength_cv": (0.0, 0.3),
+        "rocks_per_100m2": (0.0, 25.0), "rock_kn": (0.0, 50.0), **DEFORMABLE_RANGES,
+    },
+    Field: {
+        "cross_slope_deg": (-25.0, 25.0), "grade_deg": (-15.0, 15.0),
+        "roughness_class": tuple(ROUGHNESS), "patches": Patch,
+    },
+    Patch: {
+        "start_m": (-5.0, 30.0), "length_m": (0.5, 50.0), "friction_factor": (0.1, 2.0),
+        "cone_index_factor": (0.1, 4.0),
+    },
+    Plough: {
+        "depth_m": (0.05, 0.35), "wheel_share": (0.0, 1.0), "furrow": tuple(FURROW_SIDES),
+        "hitch": HITCH_MODES,
+    },
+    Drive: {
+        "gear_ratio": (15.0, 300.0), "engine_set_rpm": (900.0, 2400.0), "all_wheel_drive": FLAG,
+        "differential_lock": FLAG,
+    },
+    Course: {
+        "approach_m": (0.0, 20.0), "length_m": (1.0, 5000.0), "heading_deg": (-180.0, 180.0),
+        "start_left_m": (-50.0, 50.0), "hold_line": FLAG, "edge_m": None,
+    },
+    Scenario: {
+        "machine": tuple(MACHINES), "soil": Soil, "field": Field, "plough": Plough,
+        "drive": Drive, "course": Course, "timestep_s": STEPS_S, "seed": None,
+        "name": None, "about": None, "sensors": None,  # the machine knows nothing of these
+    },
+}  # fmt: skip
+"""Every field with its choices (tuple of names or flags), or its range (two floats). Places are
+drawn where five seconds can reach them."""
+MAY_FOLLOW_PRESET = tuple(f.name for f in dataclasses.fields(Soil) if f.default is None)
+EDGE_SHARE = 0.15
+"""Share of numbers drawn at an end of their range."""
+
+
+def drawn(rng, choices):
+    """A number within a range, often at its ends; or one of some choices."""
+    if isinstance(choices[0], float) and choices is not STEPS_S:
+        low, high = choices
+        if rng.random() < EDGE_SHARE:
+            return float(rng.choice((low, high)))
+        if low > 0.0 and high / low > 20.0:
+            return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+        return float(rng.uniform(low, high))
+    return choices[rng.integers(len(choices))]
+
+
+def soil(rng):
+    """A preset with a few numbers of its own, or all of them."""
+    share = rng.choice((0.0, 0.2, 1.0))
+    values = {
+        name: drawn(rng, choices)
+        for name, choices in RANGES[Soil].items()
+        if name not in MAY_FOLLOW_PRESET or rng.random() < share
+    }
+    return Soil(**values)
+
+
+def simple(rng, kind):
+    return {n: drawn(rng, c) for n, c in RANGES[kind].items() if isinstance(c, tuple)}
+
+
+def scenario(seed):
+    """The scenario of a seed.
+
+    Raises:
+        TwinError: what was drawn cannot be.
+    """
+    rng = np.random.default_rng(seed)
+    machine = drawn(rng, RANGES[Scenario]["machine"])
+    ploughs = machine != "electric_tractor" and rng.random() < 0.7
+    course = simple(rng, Course) | {"approach_m": drawn(rng, (0.0, 20.0)) * rng.integers(2)}
+    drive = simple(rng, Drive)
+    if machine == "electric_tractor":
+        course["edge_m"] = drawn(rng, (0.5, 100.0)) if rng.random() < 0.3 else None
+        drive["engine_set_rpm"] = drawn(rng, (300.0, 3000.0))
+    patches = tuple(Patch(**simple(rng, Patch)) for _ in range(rng.integers(MOST_PATCHES + 1)))
+    return Scenario(
+        name=f"random-{seed}",
+        machine=machine,
+        soil=soil(rng),
+        field=Field(**simple(rng, Field), patches=patches),
+        plough=Plough(**simple(rng, Plough)) if ploughs else None,
+        drive=Drive(**drive),
+        course=Course(**course),
+        timestep_s=drawn(rng, STEPS_S),
+        seed=int(rng.integers(2**31)),
+    )
+
+
+def outcome(seed):
+    """How a seed's scenario ended: "driven", "refused: ...", or "failed: ..."."""
+    try:
+        chosen = scenario(seed)
+        machine = build(chosen)
+    except Diverged as error:
+        return f"failed: {error}"
+    except TwinError as error:
+        return f"refused: {error}"
+    try:
+        chunks = list(itertools.islice(simulate(machine), round(DRIVEN_S)))
+    except Diverged as error:
+        return f"failed: {error}"
+    for chunk in chunks:
+        for name, column in chunk.columns.items():
+            absent = chosen.plough is None and name in ABSENT
+            if not absent and not np.all(np.isfinite(column)):
+                return f"failed: {name} is not finite in '{chosen.name}'"
+    fastest = max(float(np.abs(c["velocity_w"]).max()) for c in chunks)
+    if fastest > MOST_MPS:
+        return f"failed: {fastest:.0f} m/s in '{chosen.name}'"
+    return "driven"
+
+
+ABSENT = ("laser_m", "inclination_rad", "plough_pitch_rad")
+"""NaN without a plough."""
+
+
+@pytest.mark.parametrize("kind", RANGES, ids=lambda kind: kind.__name__)
+def test_every_field_of_a_scenario_is_drawn(kind):
+    assert set(RANGES[kind]) == {f.name for f in dataclasses.fields(kind)}
+
+
+@pytest.mark.slow
+def test_a_random_scenario_drives_or_is_refused_by_name():
+    ends = {seed: outcome(seed) for seed in range(SEED * COUNT, (SEED + 1) * COUNT)}
+    print(Counter(end.split(":")[0] for end in ends.values()))
+    failed = {seed: end for seed, end in ends.items() if end.startswith("failed")}
+    assert not failed
+    parts = ("soil", "field", "plough", "drive", "course", "patch", "machine", "timestep_s")
+    refused = [end for end in ends.values() if end.startswith("refused")]
+    assert all(any(part in end for part in parts) for end in refused)
+    assert sum(end == "driven" for end in ends.values()) > COUNT // 2

@@ -1,0 +1,110 @@
+"""Layer 7: sensors at rest against their data sheets."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.machine.trajectory import Trajectory
+from twin.sensors import Gnss, Imu, gnss, imu
+from twin.streams import Table
+from twin.validate.check import Check, near
+
+Array = NDArray[np.float64]
+
+GYRO = ("gyro_x_radps", "gyro_y_radps", "gyro_z_radps")
+ACCEL = ("accel_x_mps2", "accel_y_mps2", "accel_z_mps2")
+STAND_S = 800.0
+OUTPUT_HZ = 50.0
+
+
+def standing(duration_s: float, step_ns: int) -> Trajectory:
+    """A machine that stands level with its engine off."""
+    n = round(duration_s * 1e9 / step_ns) + 1
+    zero = np.zeros((n, 3))
+    level = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
+    columns = {
+        "gyro_b": zero,
+        "imu_accel_b": zero + [0.0, 0.0, 9.81],
+        "world_from_body": level,
+        "antenna_main_w": zero + [0.5, 0.5, 2.8],
+        "antenna_main_velocity_w": zero,
+        "antenna_aux_w": zero + [0.5, -0.5, 2.8],
+        "engine_radps": np.zeros(n),
+    }
+    return Trajectory(step_ns * np.arange(n, dtype=np.int64), columns)
+
+
+def _sampled(module: Any, config: Any, duration_s: float, step_ns: int) -> Table:
+    _, table = module.sample(config, module.init(config, 1, 0), standing(duration_s, step_ns))
+    return dict(table)
+
+
+def allan_deviation(rate: Array, tau_s: float, rate_hz: float) -> float:
+    """Overlapping Allan deviation of a rate; IEEE Std 952, annex C."""
+    m = round(tau_s * rate_hz)
+    angle = np.concatenate([[0.0], np.cumsum(rate)]) / rate_hz
+    second = angle[2 * m :] - 2.0 * angle[m:-m] + angle[: -2 * m]
+    return float(np.sqrt(np.mean(second**2) / (2.0 * tau_s**2)))
+
+
+def inertial() -> list[Check]:
+    """Allan deviation of gyroscopes and accelerometers, its level at 1 s and its slope."""
+    config = Imu()
+    table = _sampled(imu, config, STAND_S, 5_000_000)
+    out = []
+    for name, columns, density, unit, scale in (
+        ("gyroscopes", GYRO, config.gyro_noise_radps_rthz, "deg/s/rtHz", 180.0 / np.pi),
+        ("accelerometers", ACCEL, config.accel_noise_mps2_rthz, "ug/rtHz", 1e6 / 9.80665),
+    ):
+        short, one, long = (_pooled(table, columns, tau) for tau in (0.5, 1.0, 4.0))
+        out += [
+            near(
+                f"{name} at rest", "Allan deviation at 1 s: white noise density", scale * one, unit,
+                scale * density, relative=0.1, grade="published",
+                source="MPU-60xx/92xx class: 0.005 deg/s/rtHz, 300 to 400 ug/rtHz",
+                why="800 s of three axes give 2 to 3 %; the anti-alias filter takes some",
+            ),
+            near(
+                f"{name} at rest", "slope of the Allan deviation, 0.5 to 4 s",
+                float(np.log(long / short) / np.log(8.0)), "1", -0.5, absolute=0.05,
+                source="IEEE Std 952: N / sqrt(tau)", why="the same statistics", grade="published",
+            ),
+        ]  # fmt: skip
+    return out
+
+
+def _pooled(table: Table, columns: tuple[str, ...], tau_s: float) -> float:
+    """Allan deviation of three axes together."""
+    of_axes = [allan_deviation(table[c], tau_s, OUTPUT_HZ) ** 2 for c in columns]
+    return float(np.sqrt(np.mean(of_axes)))
+
+
+def receiver() -> list[Check]:
+    """Doppler velocity, position and heading of the receiver at rest."""
+    config = Gnss()
+    table = _sampled(gnss, config, 600.0, 50_000_000)
+    long = _sampled(gnss, Gnss(rate_hz=1.0), 60_000.0, 1_000_000_000)
+    velocity = np.concatenate([table["v_east_mps"], table["v_north_mps"]])
+    place = np.concatenate([long[axis] - long[axis].mean() for axis in ("east_m", "north_m")])
+    return [
+        near(
+            "GNSS receiver at rest", "sd of the Doppler velocity", velocity.std(), "m/s",
+            config.velocity_sd_mps, relative=0.05, grade="published",
+            source="receivers of this class: 0.02 to 0.04 m/s",
+            why="24 000 samples give half a per cent",
+        ),
+        near(
+            "GNSS receiver at rest", "sd of the fixed position", 1e3 * place.std(), "mm",
+            8.0, absolute=1.5, source="UM980 user manual: 8 mm + 1 ppm horizontal, RMS",
+            why="1000 correlation times of 60 s; our white and coloured parts are split by "
+            "assumption", grade="published",
+        ),
+        near(
+            "GNSS receiver at rest", "sd of the heading on 1 m", np.degrees(table["heading_rad"].std()),
+            "deg", 0.2, relative=0.05, source="dual antenna receivers: 0.1 to 0.2 deg per metre",
+            why="12 000 samples give one per cent", grade="published",
+        ),
+    ]  # fmt: skip
