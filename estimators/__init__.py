@@ -15,6 +15,9 @@ never changes the one it was given. Samples are taken in `Streams.merge_order`. 
     chunk-invariant   how the samples were cut into chunks changes no bit
     honest            its standard deviations agree with its errors where its model holds
 
+An offline smoother has `offline = True`; it wants the whole log in one chunk, and is neither causal
+nor chunk-invariant.
+
 A missing sensor, a missing column and a NaN are measurements that were not made, never an error.
 """
 
@@ -26,5 +29,15 @@ REGISTRY: dict[str, str] = {
     "kf-z2": "estimators.parallel_kf:KF_Z2",
     "pkf": "estimators.parallel_kf:PKF",
     "kf-tuned": "estimators.parallel_kf:KF_TUNED",
+    "pso-pkf": "estimators.adaptive_pkf:PSO_PKF",
+    "ma-pkf": "estimators.adaptive_pkf:MA_PKF",
+    "ima-pkf": "estimators.adaptive_pkf:IMA_PKF",
+    "pso-pkf-log": "estimators.adaptive_pkf:PSO_PKF_LOG",
+    "ma-pkf-log": "estimators.adaptive_pkf:MA_PKF_LOG",
+    "ima-pkf-log": "estimators.adaptive_pkf:IMA_PKF_LOG",
+    "mmae": "estimators.filter_bank:MMAE",
+    "whiteness": "estimators.filter_bank:WHITENESS",
+    "slip-ekf": "estimators.slip_ekf:SLIP_EKF",
+    "slip-ekf-smooth": "estimators.slip_ekf.smooth:SLIP_EKF_SMOOTH",
 }
 """Name -> "module:Attribute"; nothing is imported until the name is asked for."""

@@ -8,7 +8,7 @@ wheels', so an observer is two blocks of three.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -25,7 +25,6 @@ from estimators.noise_adaptation import (
     IMPROVED_MAYFLY,
     LOGARITHM,
     MAYFLY,
-    PROCESS,
     PSO,
     ROWS,
     SOUGHT,
@@ -157,9 +156,10 @@ class AdaptivePkf:
             np.concatenate([np.full(6, q), factor * variance])
             for q, factor in zip(self.process_var, self.measurement_factor, strict=True)
         ]
-        encode = {"linear": np.asarray, "sd": np.sqrt, "log": np.log}[self.encoding]
-        low, high = encode(ends)
-        return low, high
+        if self.encoding == "linear":
+            return ends[0], ends[1]
+        encode = np.sqrt if self.encoding == "sd" else np.log
+        return encode(ends[0]), encode(ends[1])
 
 
 PSO_PKF = AdaptivePkf(optimiser="pso")

@@ -38,6 +38,7 @@ def read(
     filter must carry. The lever arm's terms in angular acceleration and r v_y are left out.
     """
     p, q, r, accel_x, accel_y = sample[0], sample[1], sample[2], sample[3], sample[4]
+    signal.accel_x_mps2, signal.gyro_y_radps = accel_x, q
     step = min(dt, 1.0)
     memory.imu_samples += 1
     if np.isfinite(p) and np.isfinite(q):

@@ -70,6 +70,8 @@ SIGNALS = np.dtype(
         ("v_x_mps", "f8"),
         ("v_sd_mps", "f8"),
         ("accel_mps2", "f8"),
+        ("accel_x_mps2", "f8"),
+        ("gyro_y_radps", "f8"),
         ("wheel_mps", "f8", 4),
         ("wheel_sd_mps", "f8", 4),
         ("wheel_age_s", "f8", 4),
@@ -87,8 +89,8 @@ SIGNALS = np.dtype(
     align=True,
 )
 """One sample as speeds, at the rear-axle centre, along (x) and across (y) the body in the ground
-plane. `v_x`, `v_sd` stand in GNSS samples, `accel` in the IMU's, `wheel_*` in the wheels', else
-NaN. `wheel_age_s`: the speed is that of this much before the epoch. `one_*_speed`: those wheels'
+plane. `v_x`, `v_sd` stand in GNSS samples, `accel` and, as measured, `accel_x` and `gyro_y` in the IMU's,
+`wheel_*` in the wheels', else NaN. `wheel_age_s`: the speed is that of this much before the epoch. `one_*_speed`: those wheels'
 speeds are one and the same number. The rest is held from the last sample that told it."""
 
 MEMORY = np.dtype(

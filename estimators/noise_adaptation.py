@@ -4,9 +4,9 @@ What is sought is q = diag(Q) of both blocks and r = diag(R) of the four measure
 
     x = [q_v, q_a, q_j, q_w, q_aw, q_jw, r_v, r_a, r_w, r_aw]
 
-so that the filter's calculated mean square of the innovation (FPMSE) meets the one that was (TPMSE).
-It sees the four sums of an element of q and one of r; q_j and q_jw it does not see at all, nor how
-a sum is shared out. Where in the box the search comes to rest decides that.
+so that the filter's calculated mean square of the innovation (FPMSE) meets the one that was
+(TPMSE). It sees the four sums of an element of q and one of r; q_j and q_jw it does not see at all,
+nor how a sum is shared out. Where in the box the search comes to rest decides that.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ def _gap(x: Array, given: Array, row: int) -> float:
     if given[SEEN + row] == 0.0:
         return 0.0
     q, r = variance(x[PROCESS[row]], given), variance(x[6 + row], given)
-    return given[GAP + row] + given[STEPS] * q + r
+    return float(given[GAP + row] + given[STEPS] * q + r)
 
 
 @compiled

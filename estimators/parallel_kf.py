@@ -16,7 +16,7 @@ import numpy as np
 from estimators.compiled import compiled
 from estimators.estimate import State, advance, begin, write_axle
 from estimators.fusion import fuse
-from estimators.kalman import Array, Record, predict, update
+from estimators.kalman import Record, predict, update
 from estimators.layout import (
     GNSS,
     IMU,

@@ -109,7 +109,9 @@ def _sd(trial: Trial, name: str, speed_mps: Array) -> Array:
     return SHARE * speed_mps if proportional else printed
 
 
-def _track(kind: Track, rng: Generator) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
+def _track(
+    kind: Track, rng: Generator
+) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
     """Wheel speed 1.3-2.9 m/s and slip .06-.29 as functions of time."""
     phase = rng.uniform(0.0, 2.0 * np.pi, 4)
     ripples = [(hz, *rng.uniform(0.0, 2.0 * np.pi, 2)) for hz in RIPPLE_HZ[kind]]

@@ -40,6 +40,11 @@ class Plough:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Course:
+    edge_m: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class Scenario:
     """A short furrow on firm soil."""
 
@@ -50,6 +55,7 @@ class Scenario:
     soil: Soil = field(default_factory=Soil)
     field: Field = dataclasses.field(default_factory=Field)
     plough: Plough | None = dataclasses.field(default_factory=Plough)
+    course: Course = dataclasses.field(default_factory=Course)
     length_m: float = 20.0
 
     def __post_init__(self) -> None:

@@ -23,6 +23,9 @@ from twin.errors import UnknownName
 HEAVY = ("mujoco", "numba", "rerun", "pyarrow", "matplotlib", "scipy", "gymnasium")
 
 
+NOTE = "front wheels: W/(b d) = 8 kPa is outside [15, 55] kPa"
+
+
 class Silent:
     def init(self, setup: object) -> None:
         return None
@@ -47,7 +50,8 @@ def stub(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Any]:
     def drive(scenario: Any, *, estimators: Any, progress: Callable[[float], None]) -> Any:
         driven.append(scenario)
         progress(1.0)
-        return synthetic_run(scenario=scenario, duration_s=12.0)
+        record = synthetic_run(scenario=scenario, duration_s=12.0)
+        return SimpleNamespace(**vars(record), ended="course driven", notes=(NOTE,))
 
     monkeypatch.setattr(registry, "load", load)
     monkeypatch.setitem(sys.modules, "twin.run", SimpleNamespace(run=drive))
@@ -75,6 +79,8 @@ def test_a_run_writes_its_folder_and_prints_the_table(
     out, err = capsys.readouterr()
     assert "ekf4" in out
     assert "sideslip [m]" in out
+    assert out.count(NOTE) == 1
+    assert json.loads(Path("runs/stub-seed7/scores.json").read_text())["notes"] == [NOTE]
     assert err == ""
 
 

@@ -50,8 +50,8 @@ def test_the_example_prints_what_is_shown(tmp_path: Path) -> None:
 
 
 def test_every_command_named_exists_and_each_has_its_row() -> None:
-    assert set(re.findall(r"\btwin ([a-z]+)\b", "\n".join(commands()))) <= set(COMMANDS)
-    assert re.findall(r"^\| `twin ([a-z]+)", README, re.MULTILINE) == list(COMMANDS)
+    assert set(re.findall(r"\btwin ([a-z-]+)\b", "\n".join(commands()))) <= set(COMMANDS)
+    assert re.findall(r"^\| `twin ([a-z-]+)", README, re.MULTILINE) == list(COMMANDS)
 
 
 def test_every_scenario_and_estimator_named_exists() -> None:

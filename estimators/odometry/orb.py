@@ -19,6 +19,9 @@ FEATURES = 500
 LEAST_MATCHES = 8
 LEAST_INLIERS = 0.25
 RANSAC_PX = 1.0
+LOCKED_PX = 0.25
+"""sd of an error that all matches share: ORB finds corners at whole pixels of each octave, so equal
+displacements are all rounded the same way."""
 TREES, CHECKS = 5, 50
 """Of FLANN's randomised k-d trees: OpenCV's tutorial's, the paper gives none."""
 SEED = 1
@@ -28,7 +31,7 @@ def match_similarity(previous: Picture, current: Picture, turn_rad: float) -> Ma
     """(b) Hamming matches that are mutual best, and a RANSAC similarity through them.
 
     The gyro is not needed: the similarity has the rotation. The variance is that of a mean over
-    the inliers, of residuals about the similarity.
+    the inliers, of residuals about the similarity, and of whole pixels.
     """
     found = _features(previous, current)
     if found is None:
@@ -42,7 +45,9 @@ def match_similarity(previous: Picture, current: Picture, turn_rad: float) -> Ma
     warp, mask = cv2.estimateAffinePartial2D(
         now, then, method=cv2.RANSAC, ransacReprojThreshold=RANSAC_PX
     )
-    inside: NDArray[np.bool_] = np.asarray(mask, bool).reshape(-1)  # all False where there is no warp
+    inside: NDArray[np.bool_] = np.asarray(mask, bool).reshape(
+        -1
+    )  # all False where there is no warp
     count = int(inside.sum())
     if count < max(LEAST_MATCHES, LEAST_INLIERS * len(pairs)):
         return None
@@ -50,7 +55,7 @@ def match_similarity(previous: Picture, current: Picture, turn_rad: float) -> Ma
     spread = float((left * left).sum()) / max(2 * count - 4, 1)
     return Match(
         previous_from_current=np.asarray(warp, np.float64),
-        variance_px2=spread / count + 0.05**2,
+        variance_px2=spread / count + LOCKED_PX**2,
         quality=count / len(pairs),
     )
 

@@ -38,4 +38,4 @@ def uniform(state: State) -> float:
     state[0] ^= state[3]
     state[2] ^= shifted
     state[3] = (state[3] << _45) | (state[3] >> _19)
-    return (drawn >> _11) * _UNIT
+    return float(drawn >> _11) * _UNIT

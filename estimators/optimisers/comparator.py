@@ -27,7 +27,7 @@ def minimise(
 
     Source: Storn and Price (1997), J. Global Optim. 11, 341; `scipy.optimize`.
     """
-    from scipy.optimize import differential_evolution  # late: slow to import
+    from scipy.optimize import Bounds, differential_evolution  # late: slow to import
 
     generator = np.random.default_rng([int(word) for word in rng])
     rng[:] = generator.integers(1, 2**64, size=4, dtype=np.uint64)
@@ -44,7 +44,7 @@ def minimise(
 
     found = differential_evolution(
         value_at,
-        list(zip(low, high, strict=True)),
+        Bounds(low, high),
         maxiter=max(budget // POPULATION - 1, 0),
         init=low + generator.random((POPULATION, len(low))) * (high - low),
         polish=False,

@@ -257,4 +257,5 @@ def _newborn(swarm: Swarm, sex: int, i: int) -> Array:
     row = swarm.order[sex, i]
     swarm.v[sex, row, :] = 0.0
     swarm.own_value[sex, row] = np.inf
-    return swarm.u[sex, row]
+    position: Array = swarm.u[sex, row]
+    return position

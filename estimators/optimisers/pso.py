@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from estimators.compiled import compiled, inlined
+from estimators.compiled import inlined
 from estimators.optimisers.chance import State, uniform
 from estimators.optimisers.population import (
     Array,

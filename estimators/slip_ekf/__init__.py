@@ -43,37 +43,43 @@ class SlipEkf:
     than the tests'.
     """
 
-    jerk_psd: float = 0.3
+    jerk_psd: float = 0.15
     """Density of the white jerk [m2/s5]."""
-    accel_tau: float = 2.0
+    accel_tau: float = 10.0
     """Time over which an acceleration is forgotten [s]."""
-    slip_psd: float = 0.03
+    slip_psd: float = 0.004
     """Density of the white noise on the slip's rate [1/s3]."""
-    slip_tau: float = 0.3
+    slip_tau: float = 200.0
     """Time over which a slip rate is forgotten [s]."""
-    swing_sd: float = 0.002
+    usual_tau: float = 3.0
+    """Time in which slip comes back to what it usually is [s]."""
+    usual_psd: float = 2e-5
+    """Density of the walk of that [1/s]."""
+    swing_sd: float = 0.003
     """sd of the slip that comes of pitching."""
-    swing_hz: float = 2.5
+    swing_hz: float = 2.3
     """Frequency of that; 1.5-4 Hz for a tractor on its tyres [Hz]."""
-    swing_damping: float = 0.3
+    swing_damping: float = 0.24
     """Its damping ratio."""
     bias_sd: float = 0.3
     """sd of the accelerometer's bias beside the data sheet's: 2 degrees of mean pitch [m/s2]."""
-    bias_psd: float = 5e-4
+    bias_psd: float = 2e-05
     """Density of its walk, as the slope changes [m2/s5]."""
+    gyro_bias_sd: float = 1e-3
+    """sd of the pitch gyro's bias, 0.06 degrees per second [rad/s]."""
     radius_sd: float = 0.01
     """sd of the driven wheels' mean radius error: tyre pressure, wear, load."""
     radius_psd: float = 1e-9
     """Density of its walk [1/s]."""
     skid_sd: float = 0.02
     """sd of the towed wheels' error: radius, and skid under their motion resistance."""
-    skid_psd: float = 1e-7
+    skid_psd: float = 1e-08
     """Density of its walk [1/s]."""
-    quick_skid_sd: float = 0.003
+    quick_skid_sd: float = 0.004
     """sd of its quick part, as the load changes."""
-    quick_radius_sd: float = 0.003
+    quick_radius_sd: float = 0.002
     """sd of the driven radius's quick part."""
-    quick_tau: float = 0.3
+    quick_tau: float = 0.13
     """Correlation time of the quick parts [s]."""
     late_sd: float = 0.02
     """sd of the receiver's error in its own time stamps [s]."""
@@ -81,6 +87,8 @@ class SlipEkf:
     """A ground speed further off than this many sd is refused."""
     patience: float = 0.6
     """But not for longer than this [s]."""
+    follow: float = 3.0
+    """An acceleration further off than this many sd is a new motion, and is followed."""
     zero_slip: float = 0.003
     """Slip with the plough out of the ground; 0.2-0.9 % pull nothing."""
     zero_slip_sd: float = 0.02

@@ -12,6 +12,7 @@ from estimators.estimate import SLOW_MPS
 from estimators.kalman import Array, Record
 from estimators.layout import (
     GNSS,
+    GRAVITY_MPS2,
     IMU,
     NO_GROUND_SPEED,
     OUT_OF_ORDER,
@@ -41,12 +42,14 @@ from estimators.slip_ekf.layout import (
     SKID,
     SWING,
     SWING_RATE,
+    TILTING,
+    USUAL,
     V,
     WHEEL_BIAS,
 )
 from estimators.slip_ekf.noise import listen
 from estimators.slip_ekf.pitch import rate_now, turn, turned
-from estimators.slip_ekf.rows import count, followed, gated, take
+from estimators.slip_ekf.rows import followed, gated, grow, take
 
 FROM_GNSS, FROM_IMU, FROM_FRONT, FROM_REAR = range(4)
 
@@ -54,10 +57,10 @@ TUNING = np.dtype(
     [
         (name, "f8")
         for name in (
-            "jerk_psd", "accel_tau", "slip_psd", "slip_tau", "swing_sd", "swing_hz", "swing_damping", "bias_sd", "bias_psd",
+            "jerk_psd", "accel_tau", "slip_psd", "slip_tau", "usual_tau", "usual_psd", "swing_sd", "swing_hz", "swing_damping", "bias_sd", "bias_psd", "gyro_bias_sd",
             "radius_sd", "radius_psd", "skid_sd", "skid_psd",
             "quick_skid_sd", "quick_radius_sd", "quick_tau", "late_sd",
-            "gate", "patience", "zero_slip", "zero_slip_sd", "unload", "unload_sd",
+            "gate", "patience", "follow", "zero_slip", "zero_slip_sd", "unload", "unload_sd",
             "v_y_psd", "mount_sd", "accel_floor_sd",
         )
     ],
@@ -78,18 +81,28 @@ def loop(
         if signal.flags & OUT_OF_ORDER:
             continue
         advance(signal.epoch_ns, tuning, memory)
-        age = (memory.time_ns - signal.epoch_ns) * 1e-9
-        if age > STALE_S:
-            memory.flags |= OUT_OF_ORDER
-        elif signal.sensor == GNSS:
-            _take_gnss(signal, age, h, tuning, memory)
-        elif signal.sensor == IMU:
-            _take_imu(signal, age, h, nominal, tuning, memory)
-        elif signal.sensor == WHEELS:
-            _take_wheels(signal, age, raised[i], h, nominal, tuning, memory)
+        if measure(signal, raised[i], h, nominal, tuning, memory):
             report(rows[n], signal, nominal, tuning, memory)
             n += 1
     return n
+
+
+@compiled
+def measure(
+    signal: Record, raised: float, h: Array, nominal: Record, tuning: Record, memory: Record
+) -> bool:
+    """Take a sample at its own epoch; whether an estimate is due, one per wheel sample."""
+    age = (memory.time_ns - signal.epoch_ns) * 1e-9
+    if age > STALE_S:
+        memory.flags |= OUT_OF_ORDER
+    elif signal.sensor == GNSS:
+        _take_gnss(signal, age, h, tuning, memory)
+    elif signal.sensor == IMU:
+        _take_imu(signal, age, h, nominal, tuning, memory)
+    elif signal.sensor == WHEELS:
+        _take_wheels(signal, age, raised, h, nominal, tuning, memory)
+        return True
+    return False
 
 
 @compiled
@@ -104,6 +117,9 @@ def advance(epoch_ns: int, tuning: Record, memory: Record) -> None:
         memory.flags |= RESTARTED
     elif memory.time_ns >= 0 and dt > 0.0 and memory.known:
         memory.travelled_m += memory.x[V] * dt
+        memory.shift[:] = 0.0
+        memory.cut[:] = 0
+        memory.grown[:, :] = 0.0
         model.carry(memory.x, memory.cov, dt, tuning)
     memory.time_ns = max(memory.time_ns, epoch_ns)
 
@@ -149,18 +165,27 @@ def _take_across(signal: Record, tuning: Record, memory: Record) -> None:
 def _take_imu(
     signal: Record, age: float, h: Array, nominal: Record, tuning: Record, memory: Record
 ) -> None:
-    accel = signal.accel_mps2
+    accel = signal.accel_x_mps2
+    dt = min(max((signal.epoch_ns - memory.imu_ns) * 1e-9, 0.0), 0.1)
+    turn(signal.pitch_rate_radps, signal.epoch_ns, memory)
+    if memory.known and np.isfinite(signal.gyro_y_radps):
+        tilt = 0.5 * (memory.gyro_y + signal.gyro_y_radps) * dt if memory.gyro_y_known else 0.0
+        _shift(memory, ACCEL_BIAS, -GRAVITY_MPS2 * tilt)
+        memory.gyro_y, memory.gyro_y_known = signal.gyro_y_radps, 1
+        # the unit stands above the axle: pitching moves it
+        accel -= memory.pitch_accel * nominal.imu_m[2]
+    accel += signal.yaw_rate_radps**2 * nominal.imu_m[0]
+    memory.imu_ns = signal.epoch_ns
     if not np.isfinite(accel):
         return
     floor = nominal.accel_sd_mps2 if np.isfinite(nominal.accel_sd_mps2) else 0.0
     variance = listen(accel, max(floor, tuning.accel_floor_sd) ** 2, memory)
-    turn(signal.pitch_rate_radps, signal.epoch_ns, memory)
-    memory.imu_ns = signal.epoch_ns
     if memory.known:
         h[:] = 0.0
         h[A] = h[ACCEL_BIAS] = 1.0
         error = accel - memory.x[A] - memory.x[ACCEL_BIAS]
-        followed(memory, FROM_IMU, A, h, error, variance + tuning.jerk_psd * age, 3.0)
+        unknown = tuning.jerk_psd * age  # what the motion did since
+        followed(memory, FROM_IMU, A, V, dt, h, error, variance + unknown, tuning.follow)
 
 
 @compiled
@@ -190,7 +215,7 @@ def _take_wheels(
     if signal.wheel_age_s.max() > 0.0:
         front += pitched / (2.0 * signal.wheel_age_s.max()) * radius(nominal, 1.0)
     _take_front(signal, age, front, front_var, h, tuning, memory)
-    _take_rear(signal, age, rear, rear_var, h, memory)
+    _take_rear(signal, age, rear, rear_var, h, tuning, memory)
     if rear_n == 2:
         difference = wheels[3] - wheels[2] if nominal.driven[3] else wheels[1] - wheels[0]
         memory.apart_mps += 0.05 * (difference - memory.apart_mps)
@@ -210,10 +235,18 @@ def _spans(signal: Record, memory: Record) -> bool:
 @compiled
 def _restart(memory: Record, state: int, variance: float) -> None:
     """Count an axle's travel from here."""
+    memory.cut[state] = 1
     memory.x[state] = 0.0
     memory.cov[state, :] = 0.0
     memory.cov[:, state] = 0.0
     memory.cov[state, state] = variance
+
+
+@compiled
+def _shift(memory: Record, state: int, by: float) -> None:
+    """Move a state's origin."""
+    memory.x[state] += by
+    memory.shift[state] += by
 
 
 @compiled
@@ -243,7 +276,7 @@ def _take_front(
     if gated(memory, FROM_FRONT, h, error, count_var, signal.epoch_ns, tuning):
         memory.measured_ns = signal.epoch_ns
         if memory.front_spans:
-            memory.x[FRONT_TRAVEL] -= counted
+            _shift(memory, FRONT_TRAVEL, -counted)
     else:
         memory.flags |= GATED
         memory.front_spans = 0
@@ -254,7 +287,13 @@ def _take_front(
 
 @compiled
 def _take_rear(
-    signal: Record, age: float, speed: float, variance: float, h: Array, memory: Record
+    signal: Record,
+    age: float,
+    speed: float,
+    variance: float,
+    h: Array,
+    tuning: Record,
+    memory: Record,
 ) -> None:
     """Counted travel of the driven wheels where it is unbroken, else their speed."""
     if not (np.isfinite(speed) and np.isfinite(variance)):
@@ -266,11 +305,11 @@ def _take_rear(
         h[:] = 0.0
         h[REAR_TRAVEL] = 1.0
         error = counted - memory.x[REAR_TRAVEL]
-        followed(memory, FROM_REAR, REAR_TRAVEL, h, error, count_var, 5.0)
-        memory.x[REAR_TRAVEL] -= counted
+        followed(memory, FROM_REAR, REAR_TRAVEL, REAR_TRAVEL, 0.0, h, error, count_var, 5.0)
+        _shift(memory, REAR_TRAVEL, -counted)
     else:
         error = speed - model.rear_row(memory.x, age + tau, h)
-        followed(memory, FROM_REAR, S, h, error, variance, 5.0)
+        followed(memory, FROM_REAR, S, S, 0.0, h, error, variance, 5.0)
         if tau > 0.0:
             _restart(memory, REAR_TRAVEL, count_var)
             memory.rear_spans = 1
@@ -280,8 +319,9 @@ def _take_rear(
             accel += signal.wheel_accel_mps2[i]
             n += 1
     if n:
-        error = accel / n - model.wheel_accel_row(memory.x, h)
-        followed(memory, FROM_REAR, DS, h, error, 0.06**2, 3.0)
+        error = accel / n - model.wheel_accel_row(memory.x, tuning.usual_tau, h)
+        dt = min(max((signal.epoch_ns - memory.rear_ns) * 1e-9, 0.0), 0.1)
+        followed(memory, FROM_REAR, DS, S, dt, h, error, 0.06**2, 3.0)
 
 
 @compiled
@@ -317,8 +357,9 @@ def _zero(raised: float, h: Array, tuning: Record, memory: Record) -> None:
             take(memory.x, memory.cov, h, error, tuning.zero_slip_sd**2, 1)
     elif raised == 0.0 and memory.raised == 1:
         memory.raised = 0
-        memory.x[RADIUS] += tuning.unload
-        memory.cov[RADIUS, RADIUS] += tuning.unload_sd**2
+        _shift(memory, RADIUS, tuning.unload)
+        grow(memory, RADIUS, RADIUS, tuning.unload_sd**2)
+        grow(memory, USUAL, USUAL, 0.15**2)  # the plough will ask for another slip
 
 
 @compiled
@@ -363,10 +404,16 @@ def _begin(
         (QUICK_RADIUS, tuning.quick_radius_sd),
         (LATE, tuning.late_sd),
         (WHEEL_BIAS, tuning.bias_sd),
+        (TILTING, GRAVITY_MPS2 * tuning.gyro_bias_sd),
         (SWING, tuning.swing_sd),
         (SWING_RATE, tuning.swing_sd * 2.0 * math.pi * tuning.swing_hz),
     ):
         memory.cov[state, state] = deviation**2
+    memory.gyro_y_known = 0
+    memory.x[USUAL] = memory.x[S]
+    memory.cov[USUAL, :] = memory.cov[S, :]
+    memory.cov[:, USUAL] = memory.cov[:, S]
+    memory.cov[USUAL, USUAL] = memory.cov[S, S] + 0.05**2
     if not slow:
         memory.cov[S, RADIUS] = memory.cov[RADIUS, S] = -(tuning.radius_sd**2) * (1.0 - memory.x[S])
     memory.rear_ns = signal.epoch_ns

@@ -12,9 +12,11 @@ SKID, QUICK_SKID, FRONT_TRAVEL, WHEEL_BIAS, LATE, QUICK_RADIUS = range(7, 13)
 """Slow and quick error of the front wheels' travel over the ground's, their travel less what has
 been counted [m], bias of a wheel accelerometer [m/s2], time by which GNSS is later than it
 says [s], quick error of the driven radius under changing load."""
-SWING, SWING_RATE = 13, 14
-"""Slip that comes and goes as the body pitches on its tyres, and its rate [1/s]."""
-SIZE = 15
+SWING, SWING_RATE, USUAL, TILTING = 13, 14, 15, 16
+"""Slip that comes and goes as the body pitches on its tyres, its rate [1/s], and the slip that the
+load and the ground of the last minute have called for. Then the gyro's bias as
+the false tilting it makes, times gravity [m/s3]."""
+SIZE = 17
 
 GATED = 8
 """Flag: a speed was refused since the last estimate: it was further off than its sd allows."""
@@ -42,12 +44,17 @@ MEMORY = np.dtype(
         ("front_spans", "i8"),
         ("x", "f8", SIZE),
         ("cov", "f8", (SIZE, SIZE)),
+        ("shift", "f8", SIZE),
+        ("cut", "i8", SIZE),
+        ("grown", "f8", (SIZE, SIZE)),
         ("first_mps", "f8"),
         ("first_var", "f8"),
         ("accel", "f8", 2),
         ("accel_count", "i8"),
         ("accel_var", "f8"),
         ("apart_mps", "f8"),
+        ("gyro_y", "f8"),
+        ("gyro_y_known", "i8"),
         ("pitch_rad", "f8"),
         ("pitch_rate", "f8"),
         ("pitch_accel", "f8"),
@@ -62,7 +69,9 @@ MEMORY = np.dtype(
     ],
     align=True,
 )
-"""A plain value. `*_spans` is 1 while the counted travel has an unbroken origin; `first_*` is the
+"""A plain value. `*_spans` is 1 while the counted travel has an unbroken origin; `shift`, `cut` and
+`grown` say what else than a measurement changed the state since the last prediction: what was
+added to the mean, which states began anew, what was added to the covariance. `first_*` is the
 ground speed before the filter has begun, `accel` the last two accelerations and `accel_var` the
 variance of their noise, `apart` the driven wheels' speeds right less left, `pitch_*` how the body has turned nose down, and had at the last wheel sample, `travelled` the way since
 sideslip is summed; `nis_*` and `refused` count for GNSS, IMU, front and rear, in this order."""

@@ -1,7 +1,8 @@
 """How the state moves, and the rows that measure it.
 
     dv = a dt                         da = white (jerk)
-    ds = s' dt                        ds' = -s' / tau + white
+    db = (tilting - g q) dt           q: pitch rate as the gyro has it, an input, nose down
+    ds = s' dt - (s - usual) dt / tau ds' = -s' / tau + white
     slip = s + o                      o'' = -2 z w o' - w^2 o + white, w = 2 pi 2.5 Hz, z = 0.3
     d rear travel  = w (1 + radius + quick radius) dt,   w = v / (1 - slip)
     d front travel = v (1 + skid + quick skid) dt
@@ -34,6 +35,8 @@ from estimators.slip_ekf.layout import (
     SKID,
     SWING,
     SWING_RATE,
+    TILTING,
+    USUAL,
     V,
     WHEEL_BIAS,
 )
@@ -144,12 +147,17 @@ def carry(x: Array, p: Array, dt: float, tuning: Record) -> None:
     row[A] = dt
     _mix(p, V, row)
     row[:] = 0.0
-    row[DS] = dt
+    back = dt / tuning.usual_tau
+    row[DS], row[S], row[USUAL] = dt, -back, back
     _mix(p, S, row)
+    row[:] = 0.0
+    row[TILTING] = dt
+    _mix(p, ACCEL_BIAS, row)
+    x[ACCEL_BIAS] += dt * x[TILTING]
     x[REAR_TRAVEL] += dt * v * ratio * driven
     x[FRONT_TRAVEL] += dt * v * towed
     x[V] += dt * x[A]
-    x[S] = max(-LARGEST_SLIP, min(LARGEST_SLIP, x[S] + dt * x[DS]))
+    x[S] = max(-LARGEST_SLIP, min(LARGEST_SLIP, x[S] + dt * x[DS] + back * (x[USUAL] - x[S])))
     _swing(x, p, dt, tuning)
     _fade(x, p, A, math.exp(-dt / tuning.accel_tau), 0.0)
     _fade(x, p, DS, math.exp(-dt / tuning.slip_tau), 0.0)
@@ -161,6 +169,7 @@ def carry(x: Array, p: Array, dt: float, tuning: Record) -> None:
     p[WHEEL_BIAS, WHEEL_BIAS] += tuning.bias_psd * dt
     p[RADIUS, RADIUS] += tuning.radius_psd * dt
     p[SKID, SKID] += tuning.skid_psd * dt
+    p[USUAL, USUAL] += tuning.usual_psd * dt
     p[LATE, LATE] += 1e-9 * dt
 
 
@@ -208,14 +217,17 @@ def front_row(x: Array, age: float, h: Array) -> float:
 
 
 @compiled
-def wheel_accel_row(x: Array, h: Array) -> float:
+def wheel_accel_row(x: Array, usual_tau: float, h: Array) -> float:
     """Acceleration of the driven wheels' rim: dw/dt + bias, dw/dt = a w/v + v (dw/ds)/v s'."""
     h[:] = 0.0
-    slip, rate = slip_of(x), x[DS] + x[SWING_RATE]
+    slip = slip_of(x)
+    rate = x[DS] + x[SWING_RATE] + (x[USUAL] - x[S]) / usual_tau
     ratio, slope = gearing(slip)
     steeper = 2.0 * slope * ratio if slip >= 0.0 else 0.0
     h[V], h[A] = slope * rate, ratio
     h[S] = h[SWING] = x[A] * slope + x[V] * steeper * rate
     h[DS] = h[SWING_RATE] = x[V] * slope
+    h[USUAL] = x[V] * slope / usual_tau
+    h[S] -= h[USUAL]
     h[WHEEL_BIAS] = 1.0
     return float(x[A] * ratio + x[V] * slope * rate + x[WHEEL_BIAS])

@@ -6,7 +6,7 @@ import numpy as np
 
 from estimators.compiled import compiled
 from estimators.kalman import Array, Record
-from estimators.slip_ekf.layout import RADIUS
+from estimators.slip_ekf.layout import RADIUS, V
 
 
 @compiled
@@ -60,6 +60,13 @@ def count(memory: Record, source: int, nis: float) -> None:
 
 
 @compiled
+def grow(memory: Record, i: int, j: int, by: float) -> None:
+    """Add to the covariance what the motion, not the model, has brought."""
+    memory.cov[i, j] += by
+    memory.grown[i, j] += by
+
+
+@compiled
 def gated(
     memory: Record,
     source: int,
@@ -82,7 +89,7 @@ def gated(
             memory.refused_ns[source] = epoch_ns
         if (epoch_ns - memory.refused_ns[source]) * 1e-9 < tuning.patience:
             return 0
-        memory.cov[0, 0] += error * error
+        grow(memory, V, V, error * error)
     else:
         count(memory, source, nis)
     memory.refused_ns[source] = -1
@@ -92,15 +99,30 @@ def gated(
 
 @compiled
 def followed(
-    memory: Record, source: int, state: int, h: Array, error: float, r: float, gate: float
+    memory: Record,
+    source: int,
+    state: int,
+    below: int,
+    dt: float,
+    h: Array,
+    error: float,
+    r: float,
+    gate: float,
 ) -> None:
     """Take a measurement of motion: where it surprises, the motion has changed.
 
-    e^2 > gate^2 S:   P[state, state] grows until S = e^2 / gate^2
+    e^2 > gate^2 S:   P[state, state] grows by d until S = e^2 / gate^2,
+                      and as the change came over the last dt, evenly, the state `below`, whose
+                      rate it is, by d dt^2 / 4, and their covariance by d dt / 2
     """
     variance = innovation_var(memory.cov, h, r)
     nis = error * error / variance
     count(memory, source, nis)
     if nis > gate**2 and h[state] != 0.0:
-        memory.cov[state, state] += (error * error / gate**2 - variance) / h[state] ** 2
+        grown = (error * error / gate**2 - variance) / h[state] ** 2
+        grow(memory, state, state, grown)
+        if below != state:
+            grow(memory, below, below, 0.25 * dt * dt * grown)
+            grow(memory, state, below, 0.5 * dt * grown)
+            grow(memory, below, state, 0.5 * dt * grown)
     take(memory.x, memory.cov, h, error, r, memory.raised)

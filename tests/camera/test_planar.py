@@ -46,7 +46,7 @@ def test_motion_blur_is_the_mean_of_what_is_seen_during_the_exposure():
     assert np.std(blurred - mean) < 0.1 * np.std(sharp - mean)
 
 
-def test_a_higher_camera_gets_coarser_texels_and_no_gravel_in_its_eyes():
+def test_a_higher_camera_gets_coarser_texels():
     near, far = planar(LENS, 5, 0.5), planar(LENS, 5, 1.2)
     assert near.soil.texel_m == 0.25e-3
     assert far.soil.texel_m == 0.5e-3

@@ -115,7 +115,7 @@ def test_parts_of_a_stream_carry_their_frames():
 
 
 def test_bad_settings_are_named():
-    with pytest.raises(OutOfRange, match="camera.field_of_view_deg = 120 is outside"):
+    with pytest.raises(OutOfRange, match=r"camera\.field_of_view_deg = 120 is outside"):
         Camera(field_of_view_deg=120.0)
-    with pytest.raises(OutOfRange, match="camera.exposure_s = 0.05 is outside"):
+    with pytest.raises(OutOfRange, match=r"camera\.exposure_s = 0\.05 is outside"):
         Camera(exposure_s=0.05)

@@ -78,7 +78,7 @@ def test_features_are_of_order_one_and_the_policy_holds_its_decision():
         state, action = driver.act(state, seen, 0.02)
         observation = env.step(action.astype(np.float32))[0]
     assert Model.calls == 2
-    np.testing.assert_allclose(action[:, 0], 0.2)
+    np.testing.assert_allclose(action[:, 0], 0.5)
 
 
 def test_a_file_that_is_no_policy_is_named(tmp_path):

@@ -3,8 +3,8 @@ import pytest
 from scipy.linalg import expm
 
 from estimators.four_state import white_jerk
-from estimators.kalman import predict, slip_and_sd, update
 from estimators.fusion import fuse
+from estimators.kalman import predict, slip_and_sd, update
 
 RNG = np.random.default_rng(5)
 

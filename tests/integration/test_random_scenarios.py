@@ -7,8 +7,8 @@ By hand, more of them and from another seed:
 
 import dataclasses
 import itertools
+import math
 import os
-import time
 from collections import Counter
 
 import numpy as np
@@ -24,6 +24,7 @@ from twin.scenario import (
     HITCH_MODES,
     MACHINES,
     MOST_PATCHES,
+    NEEDED,
     ROUGHNESS,
     STEPS_S,
     Course,
@@ -96,14 +97,20 @@ def drawn(rng, choices):
 
 
 def soil(rng):
-    """A preset with a few numbers of its own, or all of them."""
+    """A preset with a few numbers of its own, or all of them; mostly with what its law needs."""
     share = rng.choice((0.0, 0.2, 1.0))
+    law, preset = (drawn(rng, RANGES[Soil][n]) for n in ("law", "preset"))
+    kind = PRESETS[preset]
+    lacks = () if kind.deformable is not None else NEEDED
+    if law == "brixius":
+        lacks = ("cone_index_kpa",) if math.isnan(kind.cone_index_kpa) else ()
+    given = lacks if rng.random() < 0.8 else ()
     values = {
         name: drawn(rng, choices)
         for name, choices in RANGES[Soil].items()
-        if name not in MAY_FOLLOW_PRESET or rng.random() < share
+        if name not in MAY_FOLLOW_PRESET or name in given or rng.random() < share
     }
-    return Soil(**values)
+    return Soil(**values | {"law": law, "preset": preset})
 
 
 def simple(rng, kind):

@@ -1,9 +1,12 @@
 """The laws inside MuJoCo: pure, saved with the state, alike on threads, strangers untouched."""
 
 import mujoco
+import numba
 import numpy as np
 import pytest
 from mujoco.batch import Batch
+from numba import types
+from numba.extending import intrinsic
 
 from tests.machine.rigs import PLOUGHING, bare_rig, plough_rig, set_controls, soiled, start
 from twin.errors import BadInput
@@ -29,6 +32,16 @@ ACTUATORS = {
     "filter": "<general joint='hinge' dyntype='filter' dynprm='.1' gainprm='2'/>",
     "user": "<general name='mine' joint='hinge' dyntype='user' gainprm='2'/>",
 }
+
+
+@intrinsic
+def pointer(typing_context, address):
+    """An address as the pointer a callback is given."""
+
+    def codegen(context, builder, signature, args):
+        return builder.inttoptr(args[0], context.get_value_type(types.voidptr))
+
+    return types.voidptr(types.int64), codegen
 
 
 def ploughing_state(seconds=3.0):
@@ -83,6 +96,68 @@ def test_a_reset_forgets_everything():
     assert np.array_equal(state(machine.model, data), state(machine.model, fresh))
 
 
+def fallen(model):
+    """What a block on the ground of a foreign model comes to."""
+    data = mujoco.MjData(model)
+    data.qvel[:3], data.ctrl[:] = (1.0, 0.3, 0.0), 0.2
+    data.act[:] = 0.1
+    data.userdata[:] = 7.0
+    mujoco.mj_step(model, data, 500)
+    return np.concatenate([data.qpos, data.qvel, data.act, data.qfrc_passive, data.userdata])
+
+
+HEADS = {
+    "another version": (90, (block.MAGIC, block.VERSION + 1.0, block.RATE_SLOTS)),
+    "no room for the slots": (block.RATE_SLOTS - 1, (block.MAGIC, block.VERSION, block.RATE_SLOTS)),
+    "rates among the slots": (90, (block.MAGIC, block.VERSION, 3.0)),
+}
+
+
+@pytest.mark.parametrize("what", HEADS)
+def test_a_block_that_is_not_of_this_form_is_left_alone(what):
+    bare_rig()  # the callbacks are installed
+    room, head = HEADS[what]
+    data = " ".join(map(str, (*head, -1.0, -1.0)))
+    xml = FOREIGN.format(
+        size=f'<size nuserdata="{room}"/>', actuator="",
+        numeric=f"<numeric name='tractor_twin' size='{block.SIZE}' data='{data}'/>",
+    )  # fmt: skip
+    plain = FOREIGN.format(size=f'<size nuserdata="{room}"/>', actuator="", numeric="")
+    ours, without = (fallen(mujoco.MjModel.from_xml_string(x)) for x in (xml, plain))
+    assert np.array_equal(ours, without)
+
+
+def test_the_same_block_in_its_right_form_is_heard():
+    """So that the refusals above refuse for their own reason."""
+    bare_rig()
+    data = " ".join(map(str, (block.MAGIC, block.VERSION, block.RATE_SLOTS, -1.0, -1.0)))
+    numbers = [float(x) for x in data.split()] + [0.0] * (block.SIZE - 5)
+    for w in range(4):
+        numbers[block.WHEEL + w * block.Wheel.SIZE] = -1.0
+    numbers[block.ENGINE + block.Engine.SHAFT] = -1.0
+    xml = FOREIGN.format(
+        size=f'<size nuserdata="{block.RATE_SLOTS}"/>', actuator="",
+        numeric=f"<numeric name='tractor_twin' size='{block.SIZE}' "
+        f"data='{' '.join(map(str, numbers))}'/>",
+    )  # fmt: skip
+    model = mujoco.MjModel.from_xml_string(xml)
+    state = mujoco.MjData(model)
+    state.userdata[:] = 7.0
+    mujoco.mj_step(model, state)
+    assert np.all(state.userdata[block.MACHINE_SLOTS : block.SCRATCH_SLOTS - 1] == 0.0)
+
+
+def test_a_body_that_nothing_moves_has_no_last_dof():
+    model = mujoco.MjModel.from_xml_string(
+        "<mujoco><worldbody><body name='post'><geom size='.1'/><body name='arm'>"
+        "<geom size='.1'/></body></body><body><freejoint/><geom size='.1'/><body name='rider'>"
+        "<geom size='.1'/></body></body></worldbody></mujoco>"
+    )
+    asked = numba.njit(lambda model, body: callback.last_dof(pointer(model), body))
+    found = [asked(model._address, model.body(n).id) for n in ("post", "arm", "rider")]
+    assert found == [-1, -1, 5]
+
+
 @pytest.mark.parametrize("actuator", ACTUATORS)
 @pytest.mark.parametrize("numeric", NUMERICS)
 def test_a_foreign_model_is_left_alone_to_the_bit(numeric, actuator):
@@ -91,20 +166,11 @@ def test_a_foreign_model_is_left_alone_to_the_bit(numeric, actuator):
         size='<size nuserdata="90"/>', numeric=NUMERICS[numeric], actuator=ACTUATORS[actuator]
     )
     model = mujoco.MjModel.from_xml_string(xml)
-
-    def fall():
-        data = mujoco.MjData(model)
-        data.qvel[:3], data.ctrl[:] = (1.0, 0.3, 0.0), 0.2
-        data.act[:] = 0.1
-        data.userdata[:] = 7.0
-        mujoco.mj_step(model, data, 500)
-        return np.concatenate([data.qpos, data.qvel, data.act, data.qfrc_passive, data.userdata])
-
-    ours = fall()
+    ours = fallen(model)
     mujoco.set_mjcb_passive(None)
     mujoco.set_mjcb_act_dyn(None)
     try:
-        without = fall()
+        without = fallen(model)
     finally:
         callback.install()
     assert np.array_equal(ours, without)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from tests.physics.blocks import furrowed, level, soil, wheel
 from twin.physics.block import PowerSlot, Soil, WheelSlot
 from twin.physics.brixius import brixius
-from twin.physics.tyre import contact_shift_m, relaxed_shear, roll_wheel, wall_force
+from twin.physics.tyre import SLICE_M, contact_shift_m, relaxed_shear, roll_wheel, wall_force
 
 W, DT_S = 21.7e3, 0.002
 
@@ -120,6 +120,18 @@ def test_the_wall_never_pulls_and_acts_only_where_it_is_touched(side, place, spe
         assert side * force <= 0.0
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_turned_slice_gives_way_and_is_behind_a_tyre_far_from_the_furrow(side):
+    """Its push is greatest at SLICE_M, gone at twice that, and the crossing costs k SLICE_M**2."""
+    field, slice_m = furrowed(side), 0.65 + 0.5 - 0.5 * 0.467
+    pressed = np.linspace(0.0, 3.0, 3001)
+    places = side * (slice_m + pressed)
+    push = np.array([-side * wall_force(field, wheel(), 20.0, t, 0.0) for t in places])
+    assert pressed[push.argmax()] == pytest.approx(SLICE_M)
+    assert np.all(push[pressed > 2.0 * SLICE_M] == 0.0)
+    assert np.trapezoid(push, pressed) == pytest.approx(400e3 * 0.25 * SLICE_M**2, rel=1e-3)
+
+
 def test_without_a_furrow_there_is_no_wall():
     for t in np.linspace(-1.5, 1.5, 31):
         assert wall_force(level(), wheel(), 20.0, t, -0.3) == 0.0
@@ -152,6 +164,17 @@ def on_ground(field, *, hub=(20.0, 0.0, 0.8175), lean_rad=0.0, velocity=(0.0, 0.
         np.array([hub]), 0, np.zeros(3), DT_S, slots, np.zeros(3), powers, np.zeros(Soil.SIZE),
     )  # fmt: skip
     return np.array(force), np.array(torque), slots, powers
+
+
+@pytest.mark.parametrize("lean_rad", [0.5 * math.pi - 1e-9, 1.57, -1.57, 2.5])
+@pytest.mark.parametrize("sunk", [False, True])
+def test_a_wheel_thrown_over_gives_finite_forces(lean_rad, sunk):
+    """However it lies, even with its hub in the ground, no more than its radius is pressed."""
+    field = level()
+    hub_m = -0.4 if sunk else 0.3
+    force, torque, slots, _ = on_ground(field, lean_rad=lean_rad, hub=(0.0, 0.0, hub_m))
+    assert np.all(np.isfinite([*force, *torque, *slots]))
+    assert 0.0 <= slots[WheelSlot.LOAD_N] <= 383e3 * 0.5 * 1.755 * (1.0 + 1e-12)
 
 
 def test_an_upright_standing_wheel_is_a_spring():

@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.camera.ground import SIDE, ground, patch
-from twin.camera.pinhole import Array, Pinhole, View, rotation
-from twin.camera.pinhole import exposed as _exposed
+from twin.camera.pinhole import Array, Pinhole, View, exposed, ground_points, rotation
+from twin.camera.planar import SUBFRAME_PX
 from twin.camera.soil_texture import TILE
 from twin.errors import OutOfRange, TwinError
 
-SUBFRAME_PX = 2.5
 _GL_FROM_CV = np.diag([1.0, -1.0, -1.0])
 _MODEL = """
 <mujoco>
@@ -111,7 +110,7 @@ class PatchRenderer:
         Raises:
             OutOfRange: the picture goes beyond the patch.
         """
-        parts = len(_exposed(self.lens, view, SUBFRAME_PX))
+        parts = len(exposed(self.lens, view, SUBFRAME_PX))
         self._check(view)
         times_s = ((np.arange(parts) + 0.5) / parts - 0.5) * view.exposure_s
         total = np.zeros((self.lens.height_px, self.lens.width_px), np.float32)
@@ -140,9 +139,9 @@ class PatchRenderer:
         return picture[::-1, :, 1]  # OpenGL counts rows from below
 
     def _check(self, view: View) -> None:
-        ends = _exposed(self.lens, view, np.inf)[0]
-        corners = ends @ self.lens.corners_px()
-        out_m = np.max(np.abs((corners[:2] / corners[2]).T - self.centre_m)) - self.half_m
+        parts = exposed(self.lens, view, SUBFRAME_PX)
+        seen = [ground_points(part, self.lens.corners_px()) for part in (parts[0], parts[-1])]
+        out_m = np.max(np.abs(np.concatenate(seen, axis=1).T - self.centre_m)) - self.half_m
         if out_m > 0.0:
             raise OutOfRange("picture", f"{out_m:.2f} m beyond", "the patch that is drawn")
 

@@ -19,7 +19,7 @@ DECISION_S = 0.2
 """Time between two decisions of a policy [s]; its actions hold in between."""
 SMOOTHING_S = 1.0
 """Time constant of the slow slip a policy sees beside the slip [s]."""
-THROTTLE, DEEPEST_M, RELIEF_M = (-0.4, 0.8), 0.02, 0.15
+THROTTLE, DEEPEST_M, RELIEF_M = (0.0, 1.0), 0.02, 0.20
 """What a policy's actions in [-1, 1] span: throttle, and the depth set point about the target."""
 FEATURES = (
     "slip_error", "slow_slip_error", "speed", "wheel_speed", "depth_error", "engine_speed",

@@ -20,10 +20,11 @@ def notes(machine: Machine) -> tuple[str, ...]:
     """
     parameters = machine.model.numeric_data[-block.SIZE :]
     soil = parameters[block.SOIL : block.WHEEL]
+    how = "at rest" if machine.scenario.plough is None else "with the plough carried"
     found: list[str] = []
     for axle, wheels in AXLES.items():
         at = block.WHEEL + wheels[0] * int(Wheel.SIZE)
         tyre = parameters[at : at + int(Wheel.SIZE)]
         load_n = float(np.mean(machine.start_load_n[list(wheels)]))
-        found += (f"{axle} wheels: {text}" for text in outside_validity(soil, tyre, load_n))
+        found += (f"{axle} wheels {how}: {text}" for text in outside_validity(soil, tyre, load_n))
     return tuple(found)

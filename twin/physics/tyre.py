@@ -21,6 +21,11 @@ RADIUS_PER_DEFLECTION = 1.0 / 3.0
 LIFTED_S = 0.05
 """Time in which the deflections of a lifted wheel vanish [s]."""
 
+SLICE_M = 0.15
+"""How deep a tyre can press into the turned slice before it rides up on it [m]; assumed."""
+LEAST_UPRIGHT_SQUARED = 1e-4
+"""Of a wheel that lies on its side, whose tread has no place on the ground."""
+
 
 @law
 def smooth_sign(speed: float, width: float) -> float:
@@ -76,7 +81,8 @@ def relaxed_shear(
 def wall_force(field: Array, wheel: Array, s_m: float, t_m: float, side_mps: float) -> float:
     """Force to the left of the furrow's wall, and of the turned slice beyond, on a tyre's flanks.
 
-    F = k penetration - c v_y, on the flank that touches, never a pull.
+    F = k penetration - c v_y, on the flank that touches, never a pull. The slice is loose: pressed
+    deeper than SLICE_M it gives way, and at twice that the tyre is on it and nothing pushes back.
 
     Args:
         field, wheel: parts of the block.
@@ -95,8 +101,9 @@ def wall_force(field: Array, wheel: Array, s_m: float, t_m: float, side_mps: flo
     at_slice = place + half - (edge + field[Field.FURROW_WIDTH_M])
     if at_wall > 0.0:
         return side * max(0.0, stiffness * at_wall - damping * outward)
-    if at_slice > 0.0:
-        return -side * max(0.0, stiffness * at_slice + damping * outward)
+    pressed = min(at_slice, 2.0 * SLICE_M - at_slice)
+    if pressed > 0.0:
+        return -side * max(0.0, stiffness * pressed + damping * outward)
     return 0.0
 
 
@@ -157,8 +164,9 @@ def roll_wheel(
     rising = rigid.dot(velocity, normal)
     rate = rigid.dot(rigid.angular_velocity(cvel, body), axle)
     camber = rigid.dot(axle, normal)  # sine: the left end of the axle raised
-    upright = math.sqrt(1.0 - camber * camber)
-    deflection = 0.5 * wheel[Wheel.DIAMETER_M] - (above - height) * steepness / upright
+    upright = math.sqrt(max(1.0 - camber * camber, LEAST_UPRIGHT_SQUARED))
+    over = max(above - height, 0.0)  # a hub in the ground presses its whole radius, not more
+    deflection = 0.5 * wheel[Wheel.DIAMETER_M] - over * steepness / upright
     load = wheel[Wheel.STIFFNESS_NPM] * deflection - wheel[Wheel.DAMPING_NSPM] * rising
     u_x, u_y = act[tyre], act[tyre + 1]
     slots[:] = 0.0

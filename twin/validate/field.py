@@ -25,7 +25,8 @@ from twin.validate.check import Check, within
 
 Array = NDArray[np.float64]
 
-FIELD_SEEDS, QUICK_SEEDS = 8, 2
+FIELD_SEEDS, QUICK_SEEDS = 8, 1
+LOG_SEEDS = 6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,8 +44,8 @@ PLOUGHING = {
     "mean speed": Words(
         source="Fu et al., INMATEH 77-13", grade="measured",
         why="the published speeds themselves scatter 1.6 % about any smooth law",
-        note="one throttle and one draft scale were chosen by these four speeds: a fit of two "
-        "numbers to four, not a test of the draft",
+        note="gear, throttle, cone index and draft scale were chosen with these four speeds in "
+        "view: a fit, not a test of the draft",
     ),
     "mean slip": Words(
         source="traction, draft and governor laws sampled under the published speeds, 5 to 95 %",
@@ -188,25 +189,40 @@ def structure(jobs: int, quick: bool) -> list[Check]:
 
     D(lag) = mean (s(t + lag) - s(t))**2
     """
-    seeds = [replace(plough_field.SCENARIOS[20], seed=s) for s in range(2 if quick else 6)]
+    seeds = [
+        replace(plough_field.SCENARIOS[20], seed=s)
+        for s in range(QUICK_SEEDS if quick else LOG_SEEDS)
+    ]
     found = Parallel(n_jobs=jobs)(delayed(_slips)(s) for s in seeds)
-    out = []
-    for lag, wanted in LOG.items():
-        true, measured = (
-            float(np.sqrt(np.mean([np.mean((s[lag:] - s[:-lag]) ** 2) for s in series]) / 2.0))
-            for series in zip(*found, strict=True)
+    true, measured = zip(*found, strict=True)
+    return [
+        within(
+            f"slip at 1 Hz, ploughing 20 cm, lag {lag} s", f"sqrt(D / 2), {name}",
+            _spread(series, lag), "1", low=0.5 * wanted, high=2.0 * wanted, reference=wanted,
+            source="log of a New Holland T7.165S at field work, 3.3 h, median slip 7.0 %",
+            why="another tractor and implement, unknown soil, bus resolution and smoothing: a "
+            "factor of two says that the size is right, no more", grade="measured", note=note,
         )
-        out.append(
-            within(
-                f"slip at 1 Hz, ploughing 20 cm, lag {lag} s", "sqrt(D / 2), GNSS and wheel speed",
-                measured, "1", low=0.5 * wanted, high=2.0 * wanted, reference=wanted,
-                source="log of a New Holland T7.165S at field work, 3.3 h", grade="measured",
-                why="another tractor and implement, unknown soil, bus resolution and smoothing: a "
-                "factor of two says that the size is right, no more",
-                note=f"the twin's true slip alone: {true:.4f}",
-            )
-        )  # fmt: skip
-    return out
+        for name, series, note in (
+            ("true slip", true, ""), ("GNSS and wheel speed", measured, NOISY)
+        )
+        for lag, wanted in LOG.items()
+    ]  # fmt: skip
+
+
+NOISY = (
+    "tried apart at 20 cm, lag 1 s: .0124 true, .0133 at the swaying antenna, .0194 with the "
+    "receiver's white Doppler noise of 0.03 m/s at the rear axle, .0201 with both: the noise does "
+    "it. Means over a second of 20 Hz would give .0120, so the log's receiver probably smooths. "
+    "Beyond 2 s the true slip is too lively at a mean of 11.5 %; at 15 cm, mean 8.4 % and nearer "
+    "to the log's 7 %, it is .0097, .0143, .0167, .0164, beside the log's .0098, .0135, .0144, "
+    ".0162. The scenario was not exchanged for the one that fits"
+)
+
+
+def _spread(series: tuple[Array, ...], lag: int) -> float:
+    squares = [np.mean((s[lag:] - s[:-lag]) ** 2) for s in series]
+    return float(np.sqrt(0.5 * np.mean(squares)))
 
 
 def _slips(scenario: Scenario) -> tuple[Array, Array]:
@@ -226,5 +242,7 @@ def _slips(scenario: Scenario) -> tuple[Array, Array]:
     epochs = table["epoch_ns"][kept]
     wheel = table["wheel_speed_mps"][kept]
     row = np.searchsorted(fix["epoch_ns"], epochs)
-    speed = np.hypot(fix["v_east_mps"], fix["v_north_mps"])[np.minimum(row, len(fix["epoch_ns"]) - 1)]
+    speed = np.hypot(fix["v_east_mps"], fix["v_north_mps"])[
+        np.minimum(row, len(fix["epoch_ns"]) - 1)
+    ]
     return table["slip"][kept], 1.0 - speed / wheel

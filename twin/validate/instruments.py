@@ -27,11 +27,11 @@ def standing(duration_s: float, step_ns: int) -> Trajectory:
     level = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
     columns = {
         "gyro_b": zero,
-        "imu_accel_b": zero + [0.0, 0.0, 9.81],
+        "imu_accel_b": zero + np.array([0.0, 0.0, 9.81]),
         "world_from_body": level,
-        "antenna_main_w": zero + [0.5, 0.5, 2.8],
+        "antenna_main_w": zero + np.array([0.5, 0.5, 2.8]),
         "antenna_main_velocity_w": zero,
-        "antenna_aux_w": zero + [0.5, -0.5, 2.8],
+        "antenna_aux_w": zero + np.array([0.5, -0.5, 2.8]),
         "engine_radps": np.zeros(n),
     }
     return Trajectory(step_ns * np.arange(n, dtype=np.int64), columns)
@@ -103,8 +103,9 @@ def receiver() -> list[Check]:
             "assumption", grade="published",
         ),
         near(
-            "GNSS receiver at rest", "sd of the heading on 1 m", np.degrees(table["heading_rad"].std()),
-            "deg", 0.2, relative=0.05, source="dual antenna receivers: 0.1 to 0.2 deg per metre",
+            "GNSS receiver at rest", "sd of the heading on 1 m",
+            np.degrees(table["heading_rad"].std()), "deg", 0.2, relative=0.05,
+            source="dual antenna receivers: 0.1 to 0.2 deg per metre",
             why="12 000 samples give one per cent", grade="published",
         ),
     ]  # fmt: skip

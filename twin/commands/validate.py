@@ -1,0 +1,60 @@
+"""`twin validate`: rerun every check of VALIDATION.md and write the page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from twin import rows as rows_file
+from twin.commands.bench import print_rows
+from twin.commands.parse import parse
+from twin.commands.terminal import console
+from twin.errors import BadInput, check_range
+
+BROKEN_PROMISE = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Validate:
+    """Check the twin against mechanics, published laws and tables, and field measurements."""
+
+    jobs: int = 1
+    """Processes; -1 for one a core."""
+    json: Path | None = None
+    """File for the rows."""
+    out: Path | None = None
+    """File for the page, such as VALIDATION.md."""
+    quick: bool = False
+    """One seed of each field run: the same rows, more scatter, within a minute."""
+
+
+def main(args: Sequence[str]) -> int:
+    """Run every check; status 1 where a row fails."""
+    options = parse(Validate, args, prog="twin validate")
+    if options.jobs != -1:
+        check_range("jobs", options.jobs, 1, 1024)
+    for name, path in (("--json", options.json), ("--out", options.out)):
+        if path is not None and (path.is_dir() or not path.absolute().parent.is_dir()):
+            raise BadInput(f"{name} {path}: it must be a file in a directory that exists")
+    from twin.validate import page, suite
+
+    with console(stderr=True).status("validating"):
+        found = suite.checks(jobs=options.jobs, quick=options.quick)
+    measured = [check.row for of_layer in found.values() for check in of_layer]
+    print_rows(measured)
+    if options.json is not None:
+        rows_file.write(measured, options.json)
+    if options.out is not None:
+        _write(page.text(found, quick=options.quick), options.out)
+    failed = [check for of_layer in found.values() for check in of_layer if not check.passed]
+    said = f"{len(measured)} rows, {len(failed)} fail"
+    console().print("; ".join([said, *(", ".join(c.name) for c in failed)]), highlight=False)
+    return BROKEN_PROMISE if failed else 0
+
+
+def _write(text: str, path: Path) -> None:
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise BadInput(f"--out {path} cannot be written: {error.strerror}") from None

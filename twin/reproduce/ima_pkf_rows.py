@@ -1,0 +1,48 @@
+"""Errors of many trials as rows: with intervals, and with what is promised of their order."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+from twin.reproduce.ima_pkf_trials import Errors, mean_and_interval
+from twin.rows import row
+
+Rows = list[dict[str, Any]]
+
+QUANTITIES = {"MAE": "mae", "RMSE": "rmse", "RMSE from 1 s": "rmse_settled"}
+ORDER = ("KF", "PSO-PKF", "MA-PKF", "IMA-PKF")
+"""From the largest error to the smallest, as published."""
+
+
+def measured(
+    case: str,
+    found: Mapping[str, list[Errors]],
+    published: Mapping[str, Mapping[str, float]],
+) -> Rows:
+    """Mean over seeds with its 95 % interval in low and high, and the largest error of all."""
+    out = []
+    for name, errors in found.items():
+        said = published.get(name, {})
+        for quantity, attribute in QUANTITIES.items():
+            mean, low, high = mean_and_interval([getattr(e, attribute) for e in errors])
+            line = row(case, f"{quantity}, {name}", mean, "1", published=said.get(quantity))
+            out.append(line | {"low": low, "high": high})
+        largest = max(e.largest for e in errors)
+        out.append(row(case, f"max, {name}", largest, "1", published=said.get("max")))
+    return out
+
+
+def promises(case: str, found: Mapping[str, list[Errors]], rmse: float) -> Rows:
+    """The published order of the methods' mean RMSE, and the published RMSE of the last."""
+    out = []
+    for worse, better in pairwise(ORDER):
+        gains = [a.rmse - b.rmse for a, b in zip(found[worse], found[better], strict=True)]
+        mean, low, high = mean_and_interval(gains)
+        out.append(row(case, f"RMSE of {worse} over {better}", mean, "1", low=0.0))
+        sure = row(case, f"the same, ends of its 95 % interval: {low:.5f} to {high:.5f}", mean, "1")
+        out.append(sure | {"low": low, "high": high})
+    mean = mean_and_interval([e.rmse for e in found[ORDER[-1]]])[0]
+    out.append(row(case, f"RMSE of {ORDER[-1]}", mean, "1", high=rmse, published=rmse))
+    return out

@@ -1,0 +1,127 @@
+"""VALIDATION.md: every check in a table, its verdict, and what is not validated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from twin.validate.check import GRADES, Check
+from twin.validate.suite import LAYERS
+
+HEAD = (
+    "#", "test", "quantity", "ours", "reference", "tolerance, and why", "source", "grade", "verdict"
+)  # fmt: skip
+
+INTRODUCTION = """\
+# Validation
+
+Written by `twin validate`, which reruns every row on this page. Every row is a figure of the twin
+beside its reference, with the tolerance it must keep and why it is that. The command's exit status
+is 1 while a row fails; a row that fails stays here, with what is known of the reason. The figures
+in the tables are rerun; those in the notes under them were tried once, by hand. Where a tolerance
+was changed after a first result, the note says so.
+
+The grade is that of the *reference*:
+"""
+
+NOT_VALIDATED = """\
+## What is not validated
+
+* **Slip in the field.** No paper or log at hand gives a tractor's slip together with its draft,
+  depth and soil. The published ploughing runs give four speeds; slip under them is determined only
+  to about a third of itself. The twin's slip is one consistent set, not a measured one.
+* **Draft.** D497's coefficients A and C are recalled, not seen in print; their own range is 40 %.
+  The soil's draft scale was chosen so that the four speeds come out.
+* **Tyre and soil together.** No single-wheel measurement of these tyres on a known soil was
+  obtainable. Brixius' law scatters, as recalled, 0.05 to 0.08 in net traction about field data;
+  the twin follows the law, not the field. The fields' numbers for Bekker-Wong's law are fitted to
+  Brixius.
+* **Lateral forces.** Lateral stiffness, relaxation lengths and the side force of Bekker's law rest
+  on figures recalled from the literature. The two laws differ by more than 30 % in side force.
+* **Asphalt, gravel, grass and the light electric tractor's wheels** lie outside the range of
+  Brixius' data: their numbers are assumed.
+* **Rolling over rough ground.** Tyre damping, the spectrum's class and the tractor's pitch and
+  bounce were not compared with a measurement. Tyres touch the ground at one point and
+  filter no roughness.
+* **Plough.** Its side and vertical forces, the landside's friction, the depth wheel and the furrow
+  wall are partitions and assumptions; the total alone follows a published law.
+* **Hitch and driver.** Control of the hitch, steering and depth corrections are plausible, not
+  identified from a machine.
+* **Engine in transients.** Governor droop and full-load torque are fitted or assumed; inertia, and
+  fuel, were not compared with a test.
+* **Repeated passes.** Ruts, compaction under earlier wheels and slip-sinkage are not simulated.
+* **Weather, moisture, residue** have no model: a soil is a set of constants with random variation.
+* **Sensors** are checked against data sheets. The correlation of their errors with the machine's
+  vibration, multipath under trees and the true receivers' filters were not compared with logs.
+* **Taishan 1404A** itself: its tyres, gears, centre of gravity and ballast were not found; a
+  tractor of its class stands in. No row on this page is a measurement of that machine but its mass,
+  its power and four speeds.
+"""
+
+
+def text(checks: Mapping[str, Sequence[Check]], *, quick: bool = False) -> str:
+    """The page. Rows are numbered within their layer."""
+    parts = [INTRODUCTION, "\n".join(f"* {name}: {about}." for name, about in GRADES.items())]
+    parts += ["", _summary(checks)]
+    if quick:
+        parts += ["", "**Quick run: one seed of each field run; scatter fails rows as well.**"]
+    for letter, (layer, title) in zip("ABCDEFG", LAYERS.items(), strict=True):
+        parts += ["", f"## {letter}. {title}", "", _table(letter, checks[layer])]
+        parts += _notes(letter, checks[layer])
+    return "\n".join([*parts, "", NOT_VALIDATED])
+
+
+def _summary(checks: Mapping[str, Sequence[Check]]) -> str:
+    found = [c for of_layer in checks.values() for c in of_layer]
+    failed = sum(not c.passed for c in found)
+    grades = ", ".join(f"{sum(c.grade == g for c in found)} {g}" for g in GRADES)
+    return f"{len(found)} rows: {len(found) - failed} pass, {failed} fail. By grade: {grades}."
+
+
+def _table(letter: str, checks: Sequence[Check]) -> str:
+    lines = ["| " + " | ".join(HEAD) + " |", "|" + "---|" * len(HEAD)]
+    for number, check in enumerate(checks, 1):
+        cells = [f"{letter}{number}", *cells_of(check)]
+        lines.append("| " + " | ".join(c.replace("|", "\\|") for c in cells) + " |")
+    return "\n".join(lines)
+
+
+def cells_of(check: Check) -> list[str]:
+    """What the table says of a check after its number."""
+    row = check.row
+    unit = "" if row["unit"] == "1" else f" {row['unit']}"
+    reference = row.get("published", row.get("reference"))
+    return [
+        row["case"],
+        row["quantity"],
+        _figure(row["ours"]) + unit,
+        "-" if reference is None else _figure(reference) + unit,
+        f"{_bounds(row)}: {check.why}",
+        check.source,
+        check.grade,
+        "pass" if check.passed else "**FAIL**",
+    ]
+
+
+def _bounds(row: Mapping[str, Any]) -> str:
+    low, high = row.get("low"), row.get("high")
+    if low is None:
+        return f"at most {_figure(high)}"
+    if high is None:
+        return f"at least {_figure(low)}"
+    return f"{_figure(low)} to {_figure(high)}"
+
+
+def _figure(value: Any) -> str:
+    """Four digits; what is smaller than a millionth of a millionth is nothing."""
+    return "0" if abs(value) < 1e-12 else f"{value:.4g}"
+
+
+def _notes(letter: str, checks: Sequence[Check]) -> list[str]:
+    """Each note once, after the rows it belongs to."""
+    rows_of: dict[str, list[str]] = {}
+    for number, check in enumerate(checks, 1):
+        if check.note:
+            rows_of.setdefault(check.note, []).append(f"{letter}{number}")
+    lines = [f"* {', '.join(rows)}: {note}." for note, rows in rows_of.items()]
+    return ["", *lines] if lines else []

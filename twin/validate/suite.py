@@ -1,0 +1,69 @@
+"""All checks by layer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from joblib import Parallel, delayed
+
+from twin.validate import analytic, field, handling, instruments, numerical, traction
+from twin.validate.check import Check
+
+LAYERS = {
+    "analytic": "Analytic: the whole tractor against mechanics",
+    "table": "Law against print: one wheel on the rig",
+    "laws": "Law against law",
+    "field": "Whole machine against field measurements",
+    "numerical": "Numerical: step, order, rest, seeds",
+    "prediction": "Prediction: what was not fitted",
+    "sensors": "Sensors against their data sheets",
+}
+"""Layer -> its title, in the order of the page."""
+TASKS: tuple[tuple[str, Callable[[], list[Check]]], ...] = (
+    ("analytic", analytic.static_loads),
+    ("analytic", analytic.coast_down),
+    ("analytic", analytic.drawbar_pull),
+    ("analytic", analytic.crab_angle),
+    ("analytic", analytic.parking),
+    ("analytic", handling.yaw_response),
+    ("table", traction.brixius_table),
+    ("table", traction.top_efficiency),
+    ("table", traction.towed_wheel),
+    ("table", traction.bekker_arc),
+    ("laws", traction.law_against_law),
+    ("field", field.drawbar_power),
+    ("numerical", numerical.halved_step),
+    ("numerical", numerical.order_of_accuracy),
+    ("numerical", numerical.settling),
+    ("numerical", numerical.seeds),
+    ("numerical", numerical.dissipation),
+    ("sensors", instruments.inertial),
+    ("sensors", instruments.receiver),
+)
+
+
+def checks(*, jobs: int = 1, quick: bool = False) -> dict[str, list[Check]]:
+    """Run every check; by layer, in the order of the page.
+
+    Args:
+        jobs: processes; -1 for one a core.
+        quick: one seed of each field run instead of many; the same rows, with more scatter.
+    """
+    if quick:  # few seeds: beside the other tasks, not split among the processes
+        whole = [delayed(field.ploughing)(1, True), delayed(field.structure)(1, True)]
+        ploughed, slips, *measured = Parallel(n_jobs=jobs)([*whole, *_tasks()])
+    else:
+        measured = Parallel(n_jobs=jobs)(_tasks())
+        ploughed, slips = field.ploughing(jobs, False), field.structure(jobs, False)
+    out: dict[str, list[Check]] = {layer: [] for layer in LAYERS}
+    for (layer, _), found in zip(TASKS, measured, strict=True):
+        out[layer] += found
+    for layer, found in ploughed.items():
+        out[layer] += found
+    out["prediction"] += slips
+    return out
+
+
+def _tasks() -> list[Any]:
+    return [delayed(task)() for _, task in TASKS]
