@@ -1,13 +1,15 @@
 """The smallest error that slip and sideslip can have, given the sensors and the motion.
 
-For a linear Gaussian model the posterior Cramer-Rao bound is the covariance of the Riccati equation:
-of the filter for a causal estimator, of the smoother for one that works offline. The model here is
-the best there can be of a motion that was driven: a vector autoregression fitted to the truth
-itself, so no estimator that has to guess at the motion can know it better.
+For a linear Gaussian model the posterior Cramer-Rao bound is the covariance of the Riccati
+equation: of the filter for a causal estimator, of the smoother for one that works offline. The
+model here is the best there can be of a motion that was driven: a vector autoregression fitted to
+the truth itself, so no estimator that has to guess at the motion can know it better.
 
-Errors that are constant over a run (radius, mounting angle, bias) are left out: score the bias apart.
+Errors that are constant over a run (radius, mounting angle, bias) are left out: score the bias
+apart.
 
-Source: Tichavsky, Muravchik and Nehorai 1998, IEEE Trans. SP 46, 1386; Rauch, Tung and Striebel 1965.
+Source: Tichavsky, Muravchik and Nehorai 1998, IEEE Trans. SP 46, 1386; Rauch, Tung and Striebel
+1965.
 """
 
 from __future__ import annotations
@@ -33,7 +35,10 @@ DRIFT = 1e-4
 
 @dataclass(frozen=True, kw_only=True)
 class Bound:
-    """Standard deviations no unbiased estimator is better than; NaN where the sensors tell nothing."""
+    """Standard deviations no unbiased estimator is better than.
+
+    NaN where the sensors tell nothing.
+    """
 
     slip_causal: float
     """Slip, with what has arrived."""
@@ -59,9 +64,7 @@ class System:
     """Shape (measurements,)."""
 
 
-def bound(
-    setup: Setup, streams: Streams, truth: Table, window_s: tuple[float, float]
-) -> Bound:
+def bound(setup: Setup, streams: Streams, truth: Table, window_s: tuple[float, float]) -> Bound:
     """The bounds of a run.
 
     Args:

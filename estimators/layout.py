@@ -89,9 +89,10 @@ SIGNALS = np.dtype(
     align=True,
 )
 """One sample as speeds, at the rear-axle centre, along (x) and across (y) the body in the ground
-plane. `v_x`, `v_sd` stand in GNSS samples, `accel` and, as measured, `accel_x` and `gyro_y` in the IMU's,
-`wheel_*` in the wheels', else NaN. `wheel_age_s`: the speed is that of this much before the epoch. `one_*_speed`: those wheels'
-speeds are one and the same number. The rest is held from the last sample that told it."""
+plane. `v_x`, `v_sd` stand in GNSS samples, `accel` and, as measured, `accel_x` and `gyro_y` in the
+IMU's, `wheel_*` in the wheels', else NaN. `wheel_age_s`: the speed is that of this much before the
+epoch. `one_*_speed`: those wheels' speeds are one and the same number. The rest is held from the
+last sample that told it."""
 
 MEMORY = np.dtype(
     [

@@ -48,7 +48,10 @@ class Preset:
     friction: float = 0.88
     """Ceiling of the gross traction ratio; 0.88 in Brixius 1987."""
     front_grip: float = 1.0
-    """Lateral stiffness of the front tyres here over their own on dry soil; lugs hold, ribs do not."""
+    """Lateral stiffness of the front tyres here over their own on dry soil.
+
+    Lugs hold, ribs do not.
+    """
     slip_rate: float = 7.5
     """k in 1 - exp(-k s); 7.5 for bias tyres, 9.5 for radials (Brixius 1987)."""
     rolling_moment: float = 0.04

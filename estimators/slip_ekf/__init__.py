@@ -1,7 +1,7 @@
 """Slip as a state: an extended Kalman filter of all streams, and its offline twin.
 
-Source of the structure: slip as a state beside the speed it couples to (Berntorp 2016, IEEE TCST 24,
-1020; Kilic et al. 2021, RA-L); the gate of chi-square; gravity's leak and the radius as states.
+Source of the structure: slip as a state beside the speed it couples to (Berntorp 2016, IEEE TCST
+24, 1020; Kilic et al. 2021, RA-L); the gate of chi-square; gravity's leak and the radius as states.
 """
 
 from __future__ import annotations

@@ -23,7 +23,6 @@ from estimators.layout import (
 from estimators.slip_ekf import model
 from estimators.slip_ekf.driven import axle, radius
 from estimators.slip_ekf.layout import (
-    A,
     ACCEL_BIAS,
     DS,
     FRONT_TRAVEL,
@@ -37,15 +36,16 @@ from estimators.slip_ekf.layout import (
     RADIUS,
     RAISED,
     REAR_TRAVEL,
-    S,
     SIZE,
     SKID,
     SWING,
     SWING_RATE,
     TILTING,
     USUAL,
-    V,
     WHEEL_BIAS,
+    A,
+    S,
+    V,
 )
 from estimators.slip_ekf.noise import listen
 from estimators.slip_ekf.pitch import rate_now, turn, turned
@@ -57,7 +57,9 @@ TUNING = np.dtype(
     [
         (name, "f8")
         for name in (
-            "jerk_psd", "accel_tau", "slip_psd", "slip_tau", "usual_tau", "usual_psd", "swing_sd", "swing_hz", "swing_damping", "bias_sd", "bias_psd", "gyro_bias_sd",
+            "jerk_psd", "accel_tau", "slip_psd", "slip_tau", "usual_tau",
+            "usual_psd", "swing_sd", "swing_hz", "swing_damping", "bias_sd",
+            "bias_psd", "gyro_bias_sd",
             "radius_sd", "radius_psd", "skid_sd", "skid_psd",
             "quick_skid_sd", "quick_radius_sd", "quick_tau", "late_sd",
             "gate", "patience", "follow", "zero_slip", "zero_slip_sd", "unload", "unload_sd",
@@ -229,7 +231,7 @@ def _take_wheels(
 def _spans(signal: Record, memory: Record) -> bool:
     """Whether the counts of this sample are those since the last one."""
     step_ns = signal.epoch_ns - memory.rear_ns
-    return abs(2e9 * signal.wheel_age_s.max() - step_ns) < 1000.0
+    return bool(abs(2e9 * signal.wheel_age_s.max() - step_ns) < 1000.0)
 
 
 @compiled
@@ -363,9 +365,7 @@ def _zero(raised: float, h: Array, tuning: Record, memory: Record) -> None:
 
 
 @compiled
-def _begin(
-    signal: Record, age: float, nominal: Record, tuning: Record, memory: Record
-) -> None:
+def _begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: Record) -> None:
     """Begin with the first ground speed and the slip it makes with the driven wheels' speed."""
     wheels, sd = signal.wheel_mps, signal.wheel_sd_mps
     front, front_var, _ = axle(wheels, sd, nominal, 0.0, np.nan, 0.0)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 V, A, ACCEL_BIAS, S, DS, RADIUS, REAR_TRAVEL = range(7)
-"""Ground speed [m/s], its acceleration, the accelerometer's bias with gravity's leak [m/s2], slip of
-the driven axle, its rate [1/s], error of the driven wheels' radius, and their travel less what has
-been counted [m]."""
+"""Ground speed [m/s], its acceleration, the accelerometer's bias with gravity's leak [m/s2], slip
+of the driven axle, its rate [1/s], error of the driven wheels' radius, and their travel less what
+has been counted [m]."""
 SKID, QUICK_SKID, FRONT_TRAVEL, WHEEL_BIAS, LATE, QUICK_RADIUS = range(7, 13)
 """Slow and quick error of the front wheels' travel over the ground's, their travel less what has
 been counted [m], bias of a wheel accelerometer [m/s2], time by which GNSS is later than it
@@ -73,5 +73,6 @@ MEMORY = np.dtype(
 `grown` say what else than a measurement changed the state since the last prediction: what was
 added to the mean, which states began anew, what was added to the covariance. `first_*` is the
 ground speed before the filter has begun, `accel` the last two accelerations and `accel_var` the
-variance of their noise, `apart` the driven wheels' speeds right less left, `pitch_*` how the body has turned nose down, and had at the last wheel sample, `travelled` the way since
-sideslip is summed; `nis_*` and `refused` count for GNSS, IMU, front and rear, in this order."""
+variance of their noise, `apart` the driven wheels' speeds right less left, `pitch_*` how the body
+has turned nose down, and had at the last wheel sample, `travelled` the way since sideslip is
+summed; `nis_*` and `refused` count for GNSS, IMU, front and rear, in this order."""

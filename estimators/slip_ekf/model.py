@@ -7,9 +7,9 @@
     d rear travel  = w (1 + radius + quick radius) dt,   w = v / (1 - slip)
     d front travel = v (1 + skid + quick skid) dt
 
-A wheel that turns slower than the ground passes (slip < 0) has w = v (1 + slip): the two definitions of
-slip that the denominator max(|w|, |v|) joins, with one value and one slope at 0. Tractors on tyres pitch
-at 2 to 3 Hz without suspension, and slip with the forces that come of it.
+A wheel that turns slower than the ground passes (slip < 0) has w = v (1 + slip): the two
+definitions of slip that the denominator max(|w|, |v|) joins, with one value and one slope at 0.
+Tractors on tyres pitch at 2 to 3 Hz without suspension, and slip with the forces that come of it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,6 @@ import numpy as np
 from estimators.compiled import compiled
 from estimators.kalman import Array, Record
 from estimators.slip_ekf.layout import (
-    A,
     ACCEL_BIAS,
     DS,
     FRONT_TRAVEL,
@@ -30,15 +29,16 @@ from estimators.slip_ekf.layout import (
     QUICK_SKID,
     RADIUS,
     REAR_TRAVEL,
-    S,
     SIZE,
     SKID,
     SWING,
     SWING_RATE,
     TILTING,
     USUAL,
-    V,
     WHEEL_BIAS,
+    A,
+    S,
+    V,
 )
 
 LARGEST_SLIP = 0.97

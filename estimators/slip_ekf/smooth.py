@@ -7,7 +7,6 @@ Source: Rauch, Tung and Striebel 1965, AIAA Journal 3, 1445.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,7 +30,10 @@ NUDGE = 1e-5
 
 @dataclass(frozen=True, kw_only=True)
 class SlipEkfSmooth:
-    """Slip, speeds and sideslip with everything there is before and after; give it the whole log."""
+    """Slip, speeds and sideslip with everything there is before and after.
+
+    Give it the whole log.
+    """
 
     filter: SlipEkf = SLIP_EKF
     """The filter it runs forward."""
@@ -68,7 +70,10 @@ class SlipEkfSmooth:
 
 @dataclass(frozen=True, kw_only=True)
 class Track:
-    """The filter at every instant: predicted (`before`) and with all that was measured (`after`)."""
+    """The filter at every instant.
+
+    Predicted (`before`) and with all that was measured (`after`).
+    """
 
     epoch_ns: np.ndarray[Any, np.dtype[np.int64]]
     before: Array
