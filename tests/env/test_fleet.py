@@ -1,7 +1,6 @@
 """The physics behind the environments: the same numbers as elsewhere, side by side or alone."""
 
 import math
-import time
 from dataclasses import replace
 
 import mujoco
@@ -216,30 +215,6 @@ def test_reward_terms_at_and_beside_their_targets():
     np.testing.assert_allclose(terms["depth"], [0.25, 0.125])
     np.testing.assert_allclose(terms["work"], [0.30, 0.0])
     assert sum(reward.WEIGHTS.values()) == pytest.approx(1.0)
-
-
-def test_truth_environment_is_a_quarter_as_fast_as_the_bare_physics(truth_env):
-    """Best of several turns each, in one run."""
-    action = np.array([0.0, 0.5], dtype=np.float32)
-    truth_env.reset(seed=0)
-    for _ in range(150):
-        truth_env.step(action)
-    model, data = (
-        truth_env.episodes.fleet.batch.get_model(0),
-        truth_env.episodes.fleet.batch.get_data(0),
-    )
-
-    def turn(step):
-        start = time.perf_counter()
-        for _ in range(100):
-            step()
-        return time.perf_counter() - start
-
-    bare, whole = [], []
-    for _ in range(6):
-        bare.append(turn(lambda: mujoco.mj_step(model, data, nstep=10)))
-        whole.append(turn(lambda: truth_env.step(action)))
-    assert min(bare) / min(whole) > 0.25
 
 
 def test_nothing_is_compiled_on_reset(truth_env, monkeypatch):

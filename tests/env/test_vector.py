@@ -1,7 +1,6 @@
 """Many tractors at once: the single environment's numbers, autoreset, parts, rates."""
 
 import pickle
-import time
 import warnings
 
 import gymnasium
@@ -177,40 +176,6 @@ def test_an_impossible_action_is_named(vector):
     with pytest.raises(BadInput, match="2 seeds for 4 tractors"):
         vector.reset(seed=[1, 2])
     vector.step(actions(1)[0])
-
-
-def _best(*turns, times=8):
-    best = [float("inf")] * len(turns)
-    for _ in range(times):
-        for i, turn in enumerate(turns):
-            start = time.perf_counter()
-            turn()
-            best[i] = min(best[i], time.perf_counter() - start)
-    return best
-
-
-@pytest.mark.slow
-def test_256_tractors_step_at_six_tenths_of_the_bare_batch():
-    many = PloughVectorEnv(256, observation="truth")
-    many.reset(seed=0)
-    action = np.tile(np.array([0.0, 0.3], dtype=np.float32), (256, 1))
-    for _ in range(80):
-        many.step(action)
-    batch = many.episodes.fleet.batch
-    bare, whole = _best(lambda: batch.step(nstep=10), lambda: many.step(action))
-    assert bare / whole > 0.6
-
-
-@pytest.mark.slow
-def test_a_reset_of_one_of_1024_costs_a_hundredth_of_a_step_of_all():
-    many = PloughVectorEnv(1024, observation="truth")
-    many.reset(seed=0)
-    action = np.tile(np.array([0.0, 0.3], dtype=np.float32), (1024, 1))
-    mask = np.arange(1024) == 511
-    whole, one = _best(
-        lambda: many.step(action), lambda: many.reset(options={"reset_mask": mask}), times=12
-    )
-    assert one < 0.01 * whole
 
 
 @pytest.mark.slow
