@@ -10,6 +10,8 @@ REGISTRY: dict[str, str] = {
     "plough-30cm": "scenarios.plough:CM_30",
     "plough-rock": "scenarios.plough:ROCK",
     "plough-slip-patch": "scenarios.plough:SLIP_PATCH",
+    "plough-patchy": "scenarios.plough:PATCHY",
+    "plough-headland": "scenarios.plough:HEADLAND",
     "slope-8-taishan": "scenarios.slope:TAISHAN_8",
     **{f"slope-{slope}-dry": f"scenarios.slope:DRY_{slope}" for slope in (6, 9, 12, 18)},
     **{f"slope-{slope}-wet": f"scenarios.slope:WET_{slope}" for slope in (9, 18)},

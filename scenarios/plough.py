@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from twin.scenario import Field, Patch, Plough, Scenario, Soil
+from twin.scenario import Course, Field, Patch, Plough, Scenario, Soil
 
 CM_25 = Scenario(
     name="plough-25cm",
@@ -51,4 +51,16 @@ SLIP_PATCH = replace(
             Patch(start_m=140.0, length_m=10.0, friction_factor=0.85),
         ),
     ),
+)
+HEADLAND = replace(
+    CM_25,
+    name="plough-headland",
+    about="three passes of 80 m at 25 cm, the plough raised and turned over on the headlands",
+    course=Course(length_m=80.0, passes=3),
+)
+PATCHY = replace(
+    CM_25,
+    name="plough-patchy",
+    about="25 cm in firm soil, a third of it patches of soft soil some 10 m in size",
+    field=Field(roughness_class="C", other_share=0.33, other_soil=Soil(preset="soft")),
 )

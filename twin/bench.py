@@ -12,6 +12,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ from twin.machine.files import model_path
 from twin.machine.simulate import Cab
 from twin.registry import load
 from twin.rows import row
-from twin.scenario import Course
+from twin.scenario import Course, Field, Scenario, Soil
 
 STRETCHES, STEPS = 60, 200
 NO_SENSORS = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
@@ -36,23 +37,37 @@ def rows() -> list[dict[str, Any]]:
 
 
 def step_rows() -> list[dict[str, Any]]:
-    """Time of a step while ploughing, against the same machine on MuJoCo's own contacts."""
-    cab = Cab(build(load("scenario", "plough-25cm")))
-    while cab.observe().depth_m < 0.24:
-        cab.act()
-    ours, ours_state = cab.batch.get_model(0), cab.batch.get_data(0)
-    native, native_state = _native()
-    ours.opt.disableflags = native.opt.disableflags = NO_SENSORS
-    own_us, native_us = _best(
-        lambda: mujoco.mj_step(ours, ours_state, STEPS),
-        lambda: mujoco.mj_step(native, native_state, STEPS),
-    )
+    """Time of a step while ploughing, against MuJoCo's own contacts, and of what adds to it."""
+    rough = load("scenario", "plough-25cm")
+    grounds = {
+        "rough": rough,
+        "plane": replace(rough, field=Field()),
+        "soil map": load("scenario", "plough-patchy"),
+        "bekker": replace(rough, soil=Soil(preset="lete-sand", law="bekker")),
+        "brixius": replace(rough, soil=Soil(preset="lete-sand", cone_index_kpa=1200.0)),
+    }
+    cases = [*(_ploughing(scenario) for scenario in grounds.values()), _native()]
+    times = _best(*(partial(mujoco.mj_step, *case, STEPS) for case in cases))
+    own_us, plane_us, map_us, bekker_us, brixius_us, native_us = times
     case = "physics step, ploughing, sensors off"
     return [
         row(case, "time with the soil law", own_us, "us"),
         row(case, "time on MuJoCo's own contacts", native_us, "us"),
         row(case, "ratio", own_us / native_us, "1", high=0.8),
+        row(case, "time on a height field over a plane's", own_us / plane_us, "1", high=1.2),
+        row(case, "the same with a map of two soils", map_us / plane_us, "1"),
+        row(case, "time by Bekker-Wong over Brixius'", bekker_us / brixius_us, "1", high=2.0),
     ]
+
+
+def _ploughing(scenario: Scenario) -> tuple[Any, Any]:
+    """A ploughing machine at its depth, sensors off."""
+    cab = Cab(build(scenario))
+    while cab.observe().depth_m < 0.24:
+        cab.act()
+    model = cab.batch.get_model(0)
+    model.opt.disableflags = NO_SENSORS
+    return model, cab.batch.get_data(0)
 
 
 def _native() -> tuple[Any, Any]:
@@ -60,6 +75,7 @@ def _native() -> tuple[Any, Any]:
     spec = mujoco.MjSpec.from_file(str(model_path("taishan_1404a").parent / "scene.xml"))
     spec.compiler.discardvisual = True  # as ours is compiled: looks cost time and change nothing
     model = spec.compile()
+    model.opt.disableflags = NO_SENSORS
     state = mujoco.MjData(model)
     mujoco.mj_step(model, state, 2000)
     state.qvel[0] = 1.5

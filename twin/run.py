@@ -14,6 +14,7 @@ from twin.machine.build import Machine, build
 from twin.machine.driver import FULL_DEPTH
 from twin.machine.geometry import geometry
 from twin.machine.notes import notes
+from twin.machine.route import length_m
 from twin.machine.simulate import simulate
 from twin.scenario import Scenario
 from twin.streams import Setup, Streams, Table, concatenate
@@ -79,10 +80,12 @@ def _ended(machine: Machine, true: Table) -> str:
     """Why a run ended: the course driven, a stall, or a depth never reached."""
     course, plough = machine.scenario.course, machine.scenario.plough
     place_w = np.array([true[name][-1] for name in ("east_m", "north_m", "up_m")])
-    along_m = float(place_w @ machine.world_from_ground[:, 0])
     if course.edge_m is not None:
         return "course driven"  # to the platform's side or to its end
-    if along_m < course.approach_m + course.length_m - 1.0:
+    along_m = float(place_w @ machine.world_from_ground[:, 0])
+    if course.passes > 1:
+        along_m = float(np.sum(np.abs(true["speed_mps"]))) * truth.PERIOD_NS * 1e-9
+    if along_m < length_m(machine.scenario) - 1.0:
         return f"stalled {along_m:.1f} m along the course"
     if plough is not None and not true["ploughing"].any():
         return f"never at {FULL_DEPTH:.0%} of the set depth"
@@ -95,14 +98,14 @@ def sense(
     """Drive a machine; what its sensors gave, and the truth."""
     scenario = machine.scenario
     state = sensors.init(scenario.sensors, scenario.seed)
-    ahead_w = machine.world_from_ground[:, 0]
-    course_m = scenario.course.approach_m + scenario.course.length_m
+    course_m, driven_m = length_m(scenario), 0.0
     streams, parts = [], []
     for chunk in simulate(machine):
         state, sampled = sensors.sample(scenario.sensors, state, chunk)
         streams.append(sampled)
         parts.append(truth.sample(chunk, driven))
-        progress(min(1.0, float(chunk["position_w"][-1] @ ahead_w) / course_m))
+        driven_m += float(np.linalg.norm(chunk["position_w"][-1] - chunk["position_w"][0]))
+        progress(min(1.0, driven_m / course_m))
     full_depth_m = None if scenario.plough is None else FULL_DEPTH * scenario.plough.depth_m
     progress(1.0)
     table = truth.integrate(truth.concatenate(parts), full_depth_m)

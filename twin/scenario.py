@@ -25,6 +25,8 @@ HITCH_MODES = ("depth", "position", "draft", "float")
 ROUGHNESS = {"smooth": 0.0, **{c: 16e-6 * 4.0**i for i, c in enumerate("ABCDEF")}}
 """G_d(n0) at n0 = 0.1 cycles/m [m3]: geometric means of ISO 8608's classes."""
 MOST_PATCHES = 4
+LEAST_APPROACH_M = 15.0
+"""Shortest approach after a turn [m]."""
 STEPS_S = (0.0005, 0.001, 0.002)
 DEFORMABLE_RANGES = {
     "k_c_kn_per_m_n1": (0.0, 1000.0),
@@ -186,6 +188,21 @@ class Field:
     """Slope along the course [deg]; positive rises ahead."""
     roughness_class: str = "smooth"
     """Roughness of the surface by ISO 8608, A to F; "smooth" is a plane."""
+    height_map: str | None = None
+    """Your own heights above the plane: a .npy file of metres, columns along the course, rows
+    across it from the right, its middle on the line. Instead of a roughness class."""
+    soil_map: str | None = None
+    """Where `other_soil` is: a .npy file of shares from 0 to 1, laid as `height_map`."""
+    map_cell_m: float = 0.25
+    """Distance between the nodes of your maps [m]."""
+    map_start_m: float = -10.0
+    """Where their first column lies along the course [m]; past their border its value goes on."""
+    other_share: float = 0.0
+    """Share of the ground covered by patches of `other_soil`, made from the seed [-]."""
+    other_length_m: float = 10.0
+    """Size of those patches [m]."""
+    other_soil: Soil = dataclasses.field(default_factory=lambda: Soil(preset="soft"))
+    """The soil of the map or the patches: friction, strength, Bekker's numbers; draft as ever."""
     patches: tuple[Patch, ...] = ()
     """Stretches of other soil, four at most; overlapping ones multiply."""
 
@@ -196,6 +213,20 @@ class Field:
             raise OutOfRange("field.patches", len(self.patches), f"0 to {MOST_PATCHES} patches")
         if self.roughness_class not in ROUGHNESS:
             raise UnknownName("roughness class", self.roughness_class, ROUGHNESS)
+        if self.height_map is not None and self.roughness_class != "smooth":
+            raise BadInput(
+                f"field.height_map goes without field.roughness_class = {self.roughness_class}: "
+                "the map has its own roughness; leave one of them"
+            )
+        if self.soil_map is not None and self.other_share > 0.0:
+            raise BadInput(
+                f"field.soil_map goes without field.other_share = {self.other_share:g}: the map "
+                "says where the other soil is; leave one of them"
+            )
+        check_range("field.map_cell_m", self.map_cell_m, 0.02, 10.0)
+        check_range("field.map_start_m", self.map_start_m, -1000.0, 1000.0)
+        check_range("field.other_share", self.other_share, 0.0, 0.9)
+        check_range("field.other_length_m", self.other_length_m, 1.0, 100.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -250,6 +281,8 @@ class Course:
     """Distance before the plough is lowered, or before the scored part [m]."""
     length_m: float = 200.0
     """Length of the scored part; with a plough, the ploughed length [m]."""
+    passes: int = 1
+    """How often the field is crossed, up and down, with turns on the headlands between."""
     heading_deg: float = 0.0
     """Direction of the line, counter-clockwise from east [deg]."""
     start_left_m: float = 0.0
@@ -265,6 +298,18 @@ class Course:
         if self.edge_m is not None:
             check_range("course.edge_m", self.edge_m, 0.5, 100.0)
         check_range("course.length_m", self.length_m, 1.0, 5000.0)
+        check_range("course.passes", self.passes, 1, 100)
+        if self.passes > 1 and self.approach_m < LEAST_APPROACH_M:
+            raise OutOfRange(
+                "course.approach_m", f"{self.approach_m:g}",
+                f"[{LEAST_APPROACH_M:g}, 500] with course.passes = {self.passes}: after a turn the "
+                "line has to be found",
+            )  # fmt: skip
+        if self.passes > 1 and (self.edge_m is not None or not self.hold_line):
+            raise BadInput(
+                f"course.passes = {self.passes} needs a driver who holds the line on a field "
+                "without an edge"
+            )
         check_range("course.heading_deg", self.heading_deg, -180.0, 180.0)
 
 

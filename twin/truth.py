@@ -131,11 +131,18 @@ def integrate(table: Table, full_depth_m: float | None) -> Table:
         v_y = table[f"v_y{suffix}_mps"]
         path = np.cumsum(0.5 * (v_y[1:] + v_y[:-1]) * dt_s)
         table[f"sideslip{suffix}_m"] = np.concatenate([[0.0], path])
-    reached = np.zeros(len(table["epoch_ns"]), dtype=bool)
-    if full_depth_m is not None:
-        reached = np.maximum.accumulate(table["depth_m"] >= full_depth_m)
-    table["ploughing"] = reached
+    table["ploughing"] = _ploughing(table["depth_m"], full_depth_m)
     return table
+
+
+def _ploughing(depth_m: Array, full_depth_m: float | None) -> NDArray[np.bool_]:
+    """From full depth on, until the plough is out of the ground."""
+    if full_depth_m is None:
+        return np.zeros(len(depth_m), dtype=bool)
+    now = np.arange(len(depth_m))
+    last_full = np.maximum.accumulate(np.where(depth_m >= full_depth_m, now, -1))
+    last_out = np.maximum.accumulate(np.where(depth_m <= 0.0, now, -1))
+    return np.asarray(last_full > last_out)
 
 
 def concatenate(parts: Sequence[Table]) -> Table:

@@ -22,6 +22,7 @@ from twin.scenario import (
     DEFORMABLE_RANGES,
     FURROW_SIDES,
     HITCH_MODES,
+    LEAST_APPROACH_M,
     MACHINES,
     MOST_PATCHES,
     NEEDED,
@@ -54,6 +55,9 @@ RANGES = {
     Field: {
         "cross_slope_deg": (-25.0, 25.0), "grade_deg": (-15.0, 15.0),
         "roughness_class": tuple(ROUGHNESS), "patches": Patch,
+        "other_share": (0.0, 0.9), "other_length_m": (1.0, 100.0), "other_soil": Soil,
+        "height_map": None, "soil_map": None, "map_cell_m": (0.02, 10.0),
+        "map_start_m": (-1000.0, 1000.0),
     },
     Patch: {
         "start_m": (-5.0, 30.0), "length_m": (0.5, 50.0), "friction_factor": (0.1, 2.0),
@@ -70,6 +74,7 @@ RANGES = {
     Course: {
         "approach_m": (0.0, 20.0), "length_m": (1.0, 5000.0), "heading_deg": (-180.0, 180.0),
         "start_left_m": (-50.0, 50.0), "hold_line": FLAG, "edge_m": None,
+        "passes": (1, 100),
     },
     Scenario: {
         "machine": tuple(MACHINES), "soil": Soil, "field": Field, "plough": Plough,
@@ -131,12 +136,17 @@ def scenario(seed):
     if machine == "electric_tractor":
         course["edge_m"] = drawn(rng, (0.5, 100.0)) if rng.random() < 0.3 else None
         drive["engine_set_rpm"] = drawn(rng, (300.0, 3000.0))
+    field = simple(rng, Field)
+    if rng.random() < 0.5:
+        field["other_share"] = 0.0
+    if course["approach_m"] < LEAST_APPROACH_M or not course["hold_line"] or course["edge_m"]:
+        course["passes"] = 1
     patches = tuple(Patch(**simple(rng, Patch)) for _ in range(rng.integers(MOST_PATCHES + 1)))
     return Scenario(
         name=f"random-{seed}",
         machine=machine,
         soil=soil(rng),
-        field=Field(**simple(rng, Field), patches=patches),
+        field=Field(**field, patches=patches, other_soil=soil(rng)),
         plough=Plough(**simple(rng, Plough)) if ploughs else None,
         drive=Drive(**drive),
         course=Course(**course),

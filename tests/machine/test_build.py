@@ -131,10 +131,12 @@ def test_the_block_says_where_the_furrow_is(side, sign):
     field = machine.model.numeric_data[-block.SIZE :][block.FIELD : block.SOIL]
     assert field[block.Field.FURROW_SIDE] == sign
     assert field[block.Field.FURROW_DEPTH_M] == 0.25
-    # its wall lies inside of the tyres: half the track less half a tyre, less a little play
+    # its wall is where the leaning tyre's flank is: the tread r sin(roll) nearer the land
     track_m = 2.0 * float(machine.model.body("rl_wheel").pos[1])
-    inner_m = 0.5 * track_m - 0.5 * machine.numbers["tyre_rear.width_m"]
-    assert inner_m - 0.05 < field[block.Field.FURROW_EDGE_M] <= inner_m
+    roll_rad = math.asin(0.25 / track_m)
+    flank_m = 0.5 * (track_m - machine.numbers["tyre_rear.width_m"]) * math.cos(roll_rad)
+    wall_m = flank_m - 0.5 * machine.numbers["tyre_rear.diameter_m"] * math.sin(roll_rad)
+    assert field[block.Field.FURROW_EDGE_M] == pytest.approx(wall_m)
 
 
 def test_the_block_says_the_grounds_shape_and_its_patches():
@@ -148,8 +150,10 @@ def test_the_block_says_the_grounds_shape_and_its_patches():
     field = machine.model.numeric_data[-block.SIZE :][block.FIELD : block.SOIL]
     axes = np.reshape(field[block.Field.AHEAD : block.Field.NORMAL + 3], (3, 3))
     np.testing.assert_allclose(axes.T, world_from_ground(ground, BARE.course), atol=1e-12)
-    # ISO 8608, class C: G_d(0.1) = 256e-6 m3
-    assert field[block.Field.ROUGHNESS_M] == pytest.approx(0.1 * math.sqrt(256e-6))
+    assert (
+        field[block.Field.HEIGHTS + block.Grid.COLUMNS] == machine.model.hfield("heights").ncol[0]
+    )
+    assert field[block.Field.MIXTURE + block.Grid.ROWS] == 0.0
     assert field[block.Field.PATCH_COUNT] == 1.0
     at = block.Field.PATCHES
     assert field[at : at + 4] == pytest.approx([10.0, 15.0, 0.5, 0.8])

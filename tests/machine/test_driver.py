@@ -27,7 +27,7 @@ def test_straight_ahead_both_wheels_are_straight():
     assert ackermann(0.0, L, TRACK) == (0.0, 0.0)
 
 
-def follow(left_m, heading_rad, speed_mps=1.5, seconds=40.0):
+def follow(left_m, heading_rad, speed_mps=1.5, seconds=90.0):
     """Lateral errors of a kinematic bicycle in the driver's hands."""
     hands, dt_s, along, path = Hands(lift_rad=0.6), 0.02, 0.0, []
     for _ in range(round(seconds / dt_s)):
@@ -46,6 +46,17 @@ def test_the_line_is_found_and_held(left_m, heading):
     assert np.abs(path[:, 0]).max() < 2.0
     mirrored = follow(-left_m, -heading)
     assert mirrored == pytest.approx(-path, abs=1e-9)
+
+
+def test_a_force_that_stays_is_steered_against_until_the_line_is_held():
+    """As a cross-slope does: the machine drifts a degree to the right of its heading."""
+    hands, dt_s, left_m, heading_rad = Hands(lift_rad=0.6), 0.02, 0.0, 0.0
+    for k in range(6000):
+        hands = drive(TASK, hands, Observed(0.03 * k, left_m, heading_rad, 0.0), dt_s)
+        left_m += 1.5 * (math.sin(heading_rad) - math.radians(1.0)) * dt_s
+        heading_rad += 1.5 * math.tan(hands.steer_rad) / L * dt_s
+    assert left_m == pytest.approx(0.0, abs=0.002)
+    assert heading_rad == pytest.approx(math.radians(1.0), abs=1e-3)
 
 
 def test_controls_move_no_faster_than_hands_do():

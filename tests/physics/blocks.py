@@ -100,7 +100,12 @@ def plough():
 def level(**own):
     """Ground through the world's origin, level, smooth, without a furrow; `own` by field name."""
     values = {Field.AHEAD: 1.0, Field.LEFT + 1: 1.0, Field.NORMAL + 2: 1.0, Field.SEED: 1.0}
+    values |= {Field.PASS_WAY: 1.0, Field.FURROW_END_M: 1e9}
     return filled(Field.SIZE, values | {Field[name.upper()]: x for name, x in own.items()})
+
+
+NO_NODES = np.zeros(1, dtype=np.float32)
+"""What a model without height fields has for their nodes."""
 
 
 def furrowed(side, **own):

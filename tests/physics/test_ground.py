@@ -1,15 +1,23 @@
-"""The ground: random fields of unit variance by place and seed, roughness, furrow, patches."""
+"""The ground: random fields of unit variance by place and seed, maps, furrow, patches."""
 
 import math
 
 import numpy as np
 import pytest
 from numba import njit
-from scipy.signal import welch
 
-from tests.physics.blocks import furrowed, level, soil
-from twin.physics.block import Field, Soil
-from twin.physics.ground import furrow, node_value, random_field, roughness, soil_at, surface
+from tests.physics.blocks import NO_NODES, furrowed, level, soil
+from twin.physics.block import Field, Grid, Soil
+from twin.physics.ground import (
+    draft_scale,
+    furrow,
+    node_value,
+    on_map,
+    random_field,
+    soil_at,
+    surface,
+)
+from twin.terrain.grid import GridMap
 
 
 @njit
@@ -74,61 +82,58 @@ def test_neighbouring_nodes_and_seeds_share_nothing():
 
 
 @njit
-def heights(field, s, t):
+def on_maps(field, nodes, s, t):
     out = np.empty((len(s), 3))
     for i in range(len(s)):
-        out[i] = roughness(field, s[i], t[i])
+        out[i] = on_map(field, Field.HEIGHTS, nodes, s[i], t[i])
     return out
 
 
-def rough(density_m3=1024e-6, **own):
-    """Ground of ISO 8608's class D unless told: G_d at 0.1 cycles/m."""
-    return level(roughness_m=0.1 * math.sqrt(density_m3), **own)
+def mapped(grid, base=None):
+    """Ground with a map of heights, and the nodes as a model keeps them."""
+    low, span = grid.nodes.min(), np.ptp(grid.nodes)
+    field = level() if base is None else base
+    rows, columns = grid.nodes.shape
+    values = (5, rows, columns, grid.cell_m, grid.start_m, grid.right_m, low, span, grid.repeats)
+    field[Field.HEIGHTS : Field.HEIGHTS + Grid.SIZE] = values
+    nodes = np.concatenate([np.full(5, 9.0), ((grid.nodes - low) / span).ravel()])
+    return field, nodes.astype(np.float32)
 
 
-@pytest.mark.parametrize("along", [True, False], ids=["along", "across"])
-def test_roughness_has_iso_8608s_spectrum(along):
-    """G_d(n) = G_d(0.1) (n / 0.1)**-2 on a line of 40 km, a fifth off at most per third octave.
-
-    ISO's classes are a factor of 2 to either side of their means.
-    """
-    step_m = 0.1
-    line = np.arange(0.0, 40e3, step_m)
-    density = 0.0
-    for offset in np.arange(8) * 37.3:
-        aside = np.full_like(line, offset)
-        places = (line, aside) if along else (aside, line)
-        n, one = welch(heights(rough(), *places)[:, 0], 1.0 / step_m, nperseg=4096, detrend=False)
-        density = density + one / 8.0
-    for low in 0.08 * 2.0 ** (np.arange(10) / 3.0):
-        band = (n >= low) & (n < low * 2.0 ** (1.0 / 3.0))
-        wanted = 1024e-6 * (n[band] / 0.1) ** -2.0
-        assert density[band].mean() == pytest.approx(wanted.mean(), rel=0.2), low
-    assert density[n > 3.0].max() < 0.1 * 1024e-6 * 30.0**-2.0  # nothing under the contact
+BUMPS = np.random.default_rng(3).normal(0.0, 0.1, (7, 11))
 
 
-def test_a_class_is_four_times_the_one_below_and_smooth_is_flat():
-    s, t = np.random.default_rng(6).uniform(-200.0, 200.0, (2, 300))
-    assert heights(rough(4096e-6), s, t) == pytest.approx(2.0 * heights(rough(), s, t))
-    assert np.all(heights(level(), s, t) == 0.0)
+@pytest.mark.parametrize("repeats", [True, False])
+def test_a_map_is_linear_between_its_nodes_and_so_are_its_slopes(repeats):
+    """Against SciPy's interpolation, and finite differences inside the cells."""
+    grid = GridMap(BUMPS, 0.4, -1.0, -0.7, repeats)
+    field, nodes = mapped(grid)
+    s, t = np.random.default_rng(4).uniform(-20.0, 20.0, (2, 2000))
+    found = on_maps(field, nodes, s, t)
+    assert found[:, 0] == pytest.approx(grid.at(s, t), abs=1e-6)
+    u, v = (s + 1.0) / 0.4 % 1.0, (t + 0.7) / 0.4 % 1.0
+    inside = (np.abs(u - 0.5) < 0.49) & (np.abs(v - 0.5) < 0.49)
+    for axis, (ds, dt) in enumerate([(1e-4, 0.0), (0.0, 1e-4)], start=1):
+        ahead, behind = on_maps(field, nodes, s + ds, t + dt), on_maps(field, nodes, s - ds, t - dt)
+        difference = (ahead[:, 0] - behind[:, 0]) / 2e-4
+        assert found[inside, axis] == pytest.approx(difference[inside], abs=1e-5)
 
 
-def test_slopes_of_the_rough_ground_are_those_of_its_heights():
-    s, t = np.random.default_rng(7).uniform(-200.0, 200.0, (2, 300))
-    step = 1e-5
-    field = rough()
-    found = heights(field, s, t)
-    for axis, (ds, dt) in enumerate([(step, 0.0), (0.0, step)], start=1):
-        difference = heights(field, s + ds, t + dt)[:, 0] - heights(field, s - ds, t - dt)[:, 0]
-        assert found[:, axis] == pytest.approx(difference / (2.0 * step), abs=1e-7)
-    assert found[:, 1].std() > 0.01
+def test_past_its_border_a_map_goes_on_as_its_border_without_slope_across_it():
+    field, nodes = mapped(GridMap(BUMPS, 0.4, 0.0, 0.0, repeats=False))
+    beyond = on_maps(field, nodes, np.array([50.0, -3.0]), np.array([0.8, 0.8]))
+    assert beyond[:, 0] == pytest.approx([BUMPS[2, -1], BUMPS[2, 0]], abs=1e-6)
+    assert np.all(beyond[:, 1] == 0.0)
 
 
-def test_the_rough_ground_is_a_function_of_place_on_the_field():
+def test_a_map_moves_with_the_origin_and_no_map_is_flat():
+    grid = GridMap(BUMPS, 0.4, -1.0, -0.7, repeats=True)
+    field, nodes = mapped(grid)
+    moved, _ = mapped(grid, level(origin_s_m=30.0, origin_t_m=-7.0))
     s, t = np.random.default_rng(8).uniform(-50.0, 50.0, (2, 50))
-    moved = heights(rough(origin_s_m=30.0, origin_t_m=-7.0), s, t)
-    assert moved == pytest.approx(heights(rough(), s + 30.0, t - 7.0), abs=1e-12)
-    assert not np.allclose(heights(rough(seed=2.0), s, t), heights(rough(), s, t))
+    there = on_maps(field, nodes, s + 30.0, t - 7.0)
+    assert on_maps(moved, nodes, s, t) == pytest.approx(there, abs=1e-9)
+    assert not on_maps(level(), NO_NODES, s, t).any()
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
@@ -147,19 +152,35 @@ def test_the_furrow_lies_beyond_its_edge_and_gets_its_depth_on_a_ramp(side):
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
+def test_on_the_way_back_the_furrow_is_the_same_turned_about(side):
+    """A pass that begins at (60, 1.4) and goes back: a half turn of the ground about its start."""
+    here = furrowed(side, furrow_end_m=30.0)
+    back = furrowed(side, furrow_end_m=30.0, pass_s_m=60.0, pass_t_m=1.4, pass_way=-1.0)
+    for s, t in np.random.default_rng(2).uniform((8.0, -2.0), (36.0, 2.0), (300, 2)):
+        bottom, slope = furrow(here, s, t)
+        found = furrow(back, 60.0 - s, 1.4 - t)
+        assert found == pytest.approx((bottom, -slope), abs=1e-12)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_furrow_ends_on_a_ramp_where_the_plough_was_raised(side):
+    field = furrowed(side, furrow_end_m=30.0)
+    assert furrow(field, 30.0, side * 0.9)[0] == -0.25
+    assert furrow(field, 31.5, side * 0.9) == pytest.approx((-0.125, 0.25 * 1.5 / 3.0))
+    assert furrow(field, 33.01, side * 0.9) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
 def test_the_surface_is_the_sum_and_so_are_its_slopes(side):
-    """Finite differences over roughness and furrow ramp, off the wall and its foot."""
-    shape = furrowed(side, roughness_m=0.1 * math.sqrt(1024e-6))
+    """Map and furrow ramp, off the wall and its foot."""
+    shape, nodes = mapped(GridMap(BUMPS, 0.4, 0.0, 0.0, repeats=True), furrowed(side))
     rng = np.random.default_rng(9)
-    step = 1e-6
     places = [*zip(rng.uniform(9.0, 15.0, 200), side * rng.uniform(0.76, 1.4, 200), strict=True)]
     places += [*zip(rng.uniform(9.0, 15.0, 50), side * rng.uniform(-2.0, 0.64, 50), strict=True)]
     for s, t in places:
-        height, slope_s, slope_t = surface(shape, s, t)
-        assert height == roughness(shape, s, t)[0] + furrow(shape, s, t)[0]
-        for slope, (ds, dt) in ((slope_s, (step, 0.0)), (slope_t, (0.0, step))):
-            ahead, behind = surface(shape, s + ds, t + dt)[0], surface(shape, s - ds, t - dt)[0]
-            assert slope == pytest.approx((ahead - behind) / (2.0 * step), abs=2e-6)
+        own, bottom = on_map(shape, Field.HEIGHTS, nodes, s, t), furrow(shape, s, t)
+        expected = (own[0] + bottom[0], own[1] + bottom[1], own[2])
+        assert surface(shape, nodes, s, t) == expected
 
 
 def patched(*patches):
@@ -173,7 +194,7 @@ def patched(*patches):
 def there(field, ground, s, t=0.0):
     """Friction and cone index at a place; the rest of the soil must be as it was."""
     out = np.full(Soil.SIZE, np.nan)
-    soil_at(field, ground, s, t, out)
+    soil_at(field, ground, NO_NODES, s, t, out)
     others = [i for i in range(Soil.SIZE) if i not in (Soil.FRICTION, Soil.CONE_INDEX_KPA)]
     assert np.array_equal(out[others], ground[others])
     return out[Soil.FRICTION], out[Soil.CONE_INDEX_KPA]
@@ -206,3 +227,20 @@ def test_the_strength_varies_by_its_coefficient_with_place():
     assert abs(np.corrcoef(factor[9:], factor[:-9])[0, 1]) < 0.06
     shifted = level(seed=12.0, origin_s_m=100.0)
     assert there(shifted, ground, 5.0) == there(field, ground, 105.0)
+
+
+def test_where_two_soils_meet_their_numbers_are_mixed_and_the_larger_share_has_the_law():
+    own, other = soil(), soil(friction=0.5, cone_index_kpa=400.0, draft_scale=0.45, law=1.0)
+    field = level()
+    field[Field.OTHER : Field.OTHER + Soil.SIZE] = other
+    shares = np.array([[0.0, 1.0], [0.0, 1.0]])
+    grid = (0, 2, 2, 10.0, 0.0, -5.0, 0.0, 1.0, 0.0)
+    field[Field.MIXTURE : Field.MIXTURE + Grid.SIZE] = grid
+    nodes = shares.ravel().astype(np.float32)
+    for s, share in ((-3.0, 0.0), (2.5, 0.25), (7.5, 0.75), (12.0, 1.0)):
+        out = np.full(Soil.SIZE, np.nan)
+        soil_at(field, own, nodes, s, 0.0, out)
+        mixed = own + share * (other - own)
+        mixed[Soil.LAW] = 1.0 if share > 0.5 else 0.0
+        assert out == pytest.approx(mixed, abs=1e-12)
+        assert draft_scale(field, own, nodes, s, 0.0) == pytest.approx(0.85 - 0.4 * share)

@@ -25,12 +25,12 @@ DRAFT_N, SIDE_N = 6e3, 0.25 * 6e3
     ],
 )  # fmt: skip
 def test_draft_of_the_four_bodies_at_the_published_depths_and_speeds(scale, depth_m, kmh, kn):
-    one = draft_n(plough(), soil(draft_scale=scale), depth_m, kmh / 3.6)
+    one = draft_n(plough(), scale, depth_m, kmh / 3.6)
     assert 4.0 * one / 1e3 == pytest.approx(kn, abs=0.06)
 
 
 def test_draft_is_the_closed_form():
-    d = draft_n(plough(), soil(), 0.25, 1.5)
+    d = draft_n(plough(), 0.85, 0.25, 1.5)
     assert d == pytest.approx(0.85 * (652.0 + 5.1 * (3.6 * 1.5) ** 2) * 0.35 * 25.0)
 
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from tests.physics.blocks import furrowed, level, soil, wheel
+from tests.physics.blocks import NO_NODES, furrowed, level, soil, wheel
 from twin.physics.block import PowerSlot, Soil, WheelSlot
 from twin.physics.brixius import brixius
 from twin.physics.tyre import SLICE_M, contact_shift_m, relaxed_shear, roll_wheel, wall_force
@@ -162,6 +162,7 @@ def on_ground(field, *, hub=(20.0, 0.0, 0.8175), lean_rad=0.0, velocity=(0.0, 0.
     force, torque = roll_wheel(
         field, soil(), one, np.array([hub]), turned.as_matrix().reshape(1, 9), moving,
         np.array([hub]), 0, np.zeros(3), DT_S, slots, np.zeros(3), powers, np.zeros(Soil.SIZE),
+        NO_NODES,
     )  # fmt: skip
     return np.array(force), np.array(torque), slots, powers
 
@@ -241,6 +242,24 @@ def test_the_powers_of_a_wheel_add_up_to_what_its_forces_take():
     assert parts[1] == pytest.approx(slots[WheelSlot.SHEAR_Y_N] * 0.06)
     assert parts[4] == pytest.approx(slots[WheelSlot.WALL_N] * 0.06)
     assert min(parts[:3]) > 0.0
+
+
+@pytest.mark.parametrize("lean_rad", [0.14, -0.14])
+def test_a_leaning_wheel_stands_where_its_tread_does(lean_rad):
+    """The hub is beside the place: with it outside the furrow the tread is in it, and the reverse.
+
+    The middle of the tread lies r sin(lean) to the left of the hub, which turns about x.
+    """
+    place_m = 0.5 * 1.755 * math.sin(lean_rad)
+    furrow = furrowed(1.0)  # its wall is at 0.65 m, its bottom from 0.75 m on
+    hub_t = 0.9 - place_m
+    height_m = 0.8175 * math.cos(lean_rad) - 0.25
+    _, _, slots, _ = on_ground(furrow, lean_rad=lean_rad, hub=(20.0, hub_t, height_m))
+    assert slots[WheelSlot.DEFLECTION_M] == pytest.approx(0.06)
+    outside_t = 0.6 - place_m
+    _, _, slots, _ = on_ground(furrow, lean_rad=lean_rad, hub=(20.0, outside_t, height_m + 0.25))
+    assert slots[WheelSlot.DEFLECTION_M] == pytest.approx(0.06)
+    assert slots[WheelSlot.WALL_N] == 0.0
 
 
 def test_a_lifted_wheel_feels_nothing():

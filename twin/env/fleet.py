@@ -19,7 +19,7 @@ from twin.machine.columns import Recorder
 from twin.machine.driver import LIFT_RATE_RADPS, ackermann, steer, towards
 from twin.machine.geometry import geometry
 from twin.machine.ground_frame import quaternion, world_from_ground
-from twin.machine.parameters import soil_part
+from twin.machine.parameters import furrow_edge_m, soil_part
 from twin.machine.simulate import CONTROLS, DECISION_S
 from twin.machine.start import Diverged
 from twin.machine.trajectory import Trajectory
@@ -131,6 +131,8 @@ class Fleet:
         axes = block.FIELD + Field.AHEAD  # ahead, left and normal stand one after the other
         self.blocks[i, axes : axes + 9] = rotation.T.ravel()
         self.blocks[i, block.FIELD + Field.FURROW_DEPTH_M] = lie.furrow_depth_m
+        edge_m = furrow_edge_m(self.machine.numbers, lie.furrow_depth_m)
+        self.blocks[i, block.FIELD + Field.FURROW_EDGE_M] = edge_m
 
     def drive(self, actions: Array, *, record: bool) -> dict[Any, NDArray[Any]] | None:
         """One control step: the driver steers, the actions set throttle and hitch.

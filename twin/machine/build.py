@@ -18,6 +18,9 @@ from twin.machine.start import settled, standing, unloaded_speed_mps
 from twin.physics import block
 from twin.physics.callback import install
 from twin.scenario import Scenario
+from twin.terrain.grid import GridMap
+from twin.terrain.maps import ground_maps
+from twin.terrain.place import add_map, show_heights
 
 Array = NDArray[np.float64]
 
@@ -44,6 +47,8 @@ class Machine:
     start_speed_mps: float
     start_load_n: Array
     """Load of each wheel there. Shape (4,)."""
+    maps: dict[str, GridMap]
+    """Heights and shares of another soil, where the ground has them."""
 
     @property
     def throttle(self) -> float:
@@ -71,7 +76,8 @@ def build(scenario: Scenario, *, looks: bool = False) -> Machine:
         if (rim := spec.geom(geom)) is not None:
             rim.contype = rim.conaffinity = 0
     rotation = world_from_ground(scenario.field, scenario.course)
-    _add_ground(spec, rotation)
+    maps = ground_maps(scenario)
+    _add_ground(spec, rotation, maps)
     _add_activations(spec)
     if scenario.plough is not None:
         spec.body("plough.frame").quat = levelled(furrow_roll_rad(scenario, spec))
@@ -85,7 +91,7 @@ def build(scenario: Scenario, *, looks: bool = False) -> Machine:
     hitch = _hitch(spec)
     reflected = numbers["engine.inertia_kgm2"] * scenario.drive.gear_ratio**2
     model.dof_armature[model.joint("drive").dofadr[0]] = reflected
-    model.numeric_data[-block.SIZE :] = parameter_block(scenario, model, numbers, rotation)
+    model.numeric_data[-block.SIZE :] = parameter_block(scenario, model, numbers, rotation, maps)
     axle_height_m = model.body("tractor").pos[2]
     work_rad = 0.0
     if scenario.plough is not None and hitch is not None:
@@ -100,11 +106,12 @@ def build(scenario: Scenario, *, looks: bool = False) -> Machine:
             axle_height_m,
         )
     speed = unloaded_speed_mps(scenario, numbers)
-    start = standing(model, scenario, rotation, hitch, work_rad)
+    start = standing(model, scenario, rotation, hitch, work_rad, maps.get("heights"))
     rest = settled(model, start, rotation, scenario)
     return Machine(
-        scenario, model, numbers, rotation, hitch, work_rad, rest.qpos, rest.act, speed, rest.load_n
-    )
+        scenario, model, numbers, rotation, hitch, work_rad, rest.qpos, rest.act, speed,
+        rest.load_n, maps,
+    )  # fmt: skip
 
 
 def _leave_plough(spec: Any) -> None:
@@ -112,11 +119,19 @@ def _leave_plough(spec: Any) -> None:
     spec.delete(spec.body("plough.frame"))
 
 
-def _add_ground(spec: Any, rotation: Array) -> None:
+def _add_ground(spec: Any, rotation: Array, maps: dict[str, GridMap]) -> None:
+    """The plane that catches what is not a wheel, below all heights; and the maps."""
+    for name, grid in maps.items():
+        add_map(spec, name, grid)
+    lowest_m, heights = 0.0, maps.get("heights")
+    if heights is not None:
+        lowest_m = float(heights.nodes.min())
+        show_heights(spec, heights, rotation, quaternion(rotation))
     spec.worldbody.add_geom(
         name="ground",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=[0, 0, 1],
+        pos=lowest_m * rotation[:, 2],
         quat=quaternion(rotation),
         contype=1,
         conaffinity=2,

@@ -60,7 +60,8 @@ class Recorder:
         model = machine.model
         self.steps = 0
         self.step_ns = round(model.opt.timestep * 1e9)
-        self.normal = machine.world_from_ground[:, 2]
+        self.world_from_ground = machine.world_from_ground
+        self.normal, self.heights = machine.world_from_ground[:, 2], machine.maps.get("heights")
         self.plough = machine.scenario.plough is not None
         self.sensors = {
             model.sensor(i).name: slice(adr, adr + dim)
@@ -111,8 +112,15 @@ class Recorder:
         columns |= self._laser(sensor, len(slots))
         return columns
 
+    def _height_m(self, place_w: Array) -> Array:
+        """Height of the ground's map at places. Shape (n, 3) -> (n,)."""
+        if self.heights is None:
+            return np.zeros(len(place_w))
+        place = place_w @ self.world_from_ground
+        return self.heights.at(place[:, 0], place[:, 1])
+
     def _laser(self, sensor: Any, n: int) -> dict[str, Array]:
-        """True range of the depth laser and inclination of its beam's frame.
+        """True range of the depth laser to the ground below it, and inclination of its frame.
 
         None without a plough.
         """
@@ -122,8 +130,10 @@ class Recorder:
         w, x, y, z = sensor("plough.world_from_laser").T
         down = np.stack([-2 * (x * z + w * y), -2 * (y * z - w * x), 2 * (x * x + y * y) - 1], 1)
         ahead_up = 2 * (x * z - w * y)
+        laser_w = sensor("plough.laser_w")
+        above_m = laser_w @ self.normal - self._height_m(laser_w)
         return {
-            "laser_m": -(sensor("plough.laser_w") @ self.normal) / (down @ self.normal),
+            "laser_m": -above_m / (down @ self.normal),
             "inclination_rad": np.arcsin(np.clip(ahead_up, -1.0, 1.0)),
             "plough_pitch_rad": sensor("plough.pitch_rad"),
         }

@@ -10,6 +10,10 @@ import numpy as np
 
 LOOKAHEAD_M = 5.0
 """Distance over which a lateral error is steered out [m]; assumed."""
+STEER_GAIN_RAD_PER_MS = 0.02
+"""How fast a lateral error that stays is steered out [rad/(m s)], slower than the look ahead."""
+MOST_BIAS_RAD = 0.2
+"""Largest steering angle held against a lateral force that stays [rad]."""
 STEER_RATE_RADPS = 0.4
 """How fast the wheel is turned [rad/s]; assumed."""
 LIFT_RATE_RADPS = 0.35
@@ -31,13 +35,17 @@ class Observed:
     """What the driver sees."""
 
     along_m: float
-    """Distance along the course."""
+    """Distance along the line, or along the leg of a turn."""
     left_m: float
-    """Lateral error, positive left of the line."""
+    """Lateral error, positive left of it."""
     heading_rad: float
     """Heading error, positive turned left."""
     depth_m: float
     draft_n: float = 0.0
+    turning: bool = False
+    """On a headland, the plough raised."""
+    curvature_pm: float = 0.0
+    """Of the way ahead, positive to the left [1/m]."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +70,8 @@ class Hands:
     """The driver's controls and memory."""
 
     steer_rad: float = 0.0
+    bias_rad: float = 0.0
+    """Steering angle found so far against slope, furrow and plough."""
     lift_rad: float = 0.0
     trim_rad: float = 0.0
     """Correction of the hitch found so far."""
@@ -73,10 +83,15 @@ class Hands:
 
 def drive(task: Task, hands: Hands, seen: Observed, dt_s: float) -> Hands:
     """The controls for the next interval."""
-    angle = steer(task.wheelbase_m, hands.steer_rad, seen.left_m, seen.heading_rad, dt_s)
+    bias = hands.bias_rad
+    if not seen.turning:
+        bias -= STEER_GAIN_RAD_PER_MS * seen.left_m * dt_s
+        bias = max(-MOST_BIAS_RAD, min(MOST_BIAS_RAD, bias))
+    known = bias + math.atan(task.wheelbase_m * seen.curvature_pm)
+    angle = steer(task.wheelbase_m, hands.steer_rad, seen.left_m, seen.heading_rad, dt_s, known)
     trim, full = hands.trim_rad, hands.full_depth_at_m
     target, working = task.raised_rad, task.depth_m is None
-    if task.depth_m is not None and seen.along_m >= task.approach_m:
+    if task.depth_m is not None and seen.along_m >= task.approach_m and not seen.turning:
         lowered = hands.lift_rad <= task.work_rad + trim
         if not math.isfinite(full) and seen.depth_m >= FULL_DEPTH * task.depth_m:
             full = seen.along_m
@@ -85,17 +100,25 @@ def drive(task: Task, hands: Hands, seen: Observed, dt_s: float) -> Hands:
         working = True
         target = FLOAT_RAD if task.hitch == "float" else task.work_rad + trim
     lift = towards(hands.lift_rad, target, LIFT_RATE_RADPS * dt_s)
-    return Hands(float(angle), float(lift), trim, full, working)
+    return Hands(float(angle), float(bias), float(lift), trim, full, working)
 
 
-def steer(wheelbase_m: float, now_rad: Any, left_m: Any, heading_rad: Any, dt_s: float) -> Any:
+def steer(
+    wheelbase_m: float,
+    now_rad: Any,
+    left_m: Any,
+    heading_rad: Any,
+    dt_s: float,
+    known_rad: Any = 0.0,
+) -> Any:
     """The steering angle of a bicycle for the next interval; numbers, or arrays of one shape.
 
-    Towards a point ahead, linearised (pure pursuit):
-        delta = -(2 L / d**2) y - (2 L / d) psi
+    Towards a point ahead, linearised (pure pursuit), beside the angle known to be needed:
+        delta = known - (2 L / d**2) y - (2 L / d) psi
     """
     wanted = (
-        -(2.0 * wheelbase_m / LOOKAHEAD_M**2) * left_m
+        known_rad
+        - (2.0 * wheelbase_m / LOOKAHEAD_M**2) * left_m
         - (2.0 * wheelbase_m / LOOKAHEAD_M) * heading_rad
     )
     within = np.maximum(-0.6, np.minimum(0.6, wanted))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import mujoco
@@ -13,21 +14,32 @@ from twin.errors import BadInput
 from twin.physics import block
 from twin.physics.block import Coupling, Engine, Field, Head, Plough, Soil, Wheel
 from twin.physics.laws import law_number
-from twin.scenario import FURROW_SIDES, ROUGHNESS, Scenario
+from twin.scenario import FURROW_SIDES, Scenario
+from twin.scenario import Plough as Setting
 from twin.scenario import Soil as Ground
 from twin.soils import Deformable
+from twin.terrain.grid import GridMap
+from twin.terrain.place import grid_part
 
 Array = NDArray[np.float64]
 
 FURROW_AHEAD_M, FURROW_RAMP_M = 2.0, 3.0
 """The last furrow begins so far before the plough is lowered, and takes so long to its depth."""
+ENDLESS_M = 1e9
+"""Where a furrow ends that the run does not leave."""
+MAPS = {"heights": Field.HEIGHTS, "mixture": Field.MIXTURE}
+"""Height fields of the model that the laws read, and where the block says how they lie."""
 CONTROLS = {"clutch": "clutch_pedal", "lock": "differential_lock", "front_drive": "front_drive"}
 
 
 def parameter_block(
-    scenario: Scenario, model: Any, numbers: dict[str, float], rotation: Array
+    scenario: Scenario,
+    model: Any,
+    numbers: dict[str, float],
+    rotation: Array,
+    maps: Mapping[str, GridMap],
 ) -> Array:
-    """The parameter block of twin.physics.block."""
+    """The parameter block of twin.physics.block; `maps` by the names of their height fields."""
     out = np.zeros(block.SIZE)
     head = {
         Head.MAGIC: block.MAGIC,
@@ -42,6 +54,9 @@ def parameter_block(
         (block.SOIL, soil_part(scenario.soil)),
         (block.ENGINE, _engine(scenario, model, numbers)),
     ]
+    for name, at in MAPS.items():
+        if name in maps:
+            parts.append((block.FIELD, grid_part(model, name, maps[name], at)))
     for i, name in enumerate(block.COUPLINGS):
         part = _coupling(model, name, numbers, scenario.drive.gear_ratio)
         parts.append((block.COUPLING + i * Coupling.SIZE, part))
@@ -49,8 +64,7 @@ def parameter_block(
         part = _wheel(model, wheel, numbers, scenario.soil.resolved().front_grip)
         parts.append((block.WHEEL + i * Wheel.SIZE, part))
     if scenario.plough is not None:
-        side = FURROW_SIDES[scenario.plough.furrow]
-        parts.append((block.PLOUGH, _plough(model, numbers, side)))
+        parts.append((block.PLOUGH, _plough(model, numbers, scenario.plough)))
     for start, part in parts:
         for index, value in part.items():
             out[start + index] = value
@@ -99,9 +113,10 @@ def _deformable_part(law: str, soil: Deformable | None) -> dict[Any, float]:
 
 
 def field_part(scenario: Scenario, numbers: dict[str, float], rotation: Array) -> dict[Any, float]:
-    """Ground plane, furrow and patches, as numbers of the block."""
-    roughness_m = 0.1 * math.sqrt(ROUGHNESS[scenario.field.roughness_class])
-    out: dict[Any, float] = {Field.SEED: scenario.seed, Field.ROUGHNESS_M: roughness_m}
+    """Ground plane, furrow, patches and the other soil, as numbers of the block."""
+    out: dict[Any, float] = {Field.SEED: scenario.seed, Field.PASS_WAY: 1.0}
+    other = soil_part(scenario.field.other_soil)
+    out |= {Field.OTHER + name: value for name, value in other.items()}
     for i, axis in enumerate((Field.AHEAD, Field.LEFT, Field.NORMAL)):
         out |= {axis + k: rotation[k, i] for k in range(3)}
     if scenario.plough is not None:
@@ -109,9 +124,10 @@ def field_part(scenario: Scenario, numbers: dict[str, float], rotation: Array) -
         out |= {
             Field.FURROW_SIDE: FURROW_SIDES[scenario.plough.furrow],
             Field.FURROW_DEPTH_M: scenario.plough.depth_m,
-            Field.FURROW_EDGE_M: numbers["furrow.edge_m"],
+            Field.FURROW_EDGE_M: furrow_edge_m(numbers, scenario.plough.depth_m),
             Field.FURROW_START_M: scenario.course.approach_m - FURROW_AHEAD_M,
             Field.FURROW_RAMP_M: FURROW_RAMP_M,
+            Field.FURROW_END_M: ENDLESS_M,
             **{f: numbers[f"furrow.{f.name.lower().removeprefix('furrow_')}"] for f in wall},
         }
     for i, patch in enumerate(scenario.field.patches):
@@ -119,6 +135,20 @@ def field_part(scenario: Scenario, numbers: dict[str, float], rotation: Array) -
         values = (patch.start_m, end_m, patch.friction_factor, patch.cone_index_factor)
         out |= {Field.PATCHES + 4 * i + k: value for k, value in enumerate(values)}
     return out | {Field.PATCH_COUNT: len(scenario.field.patches)}
+
+
+def furrow_edge_m(numbers: dict[str, float], depth_m: float) -> float:
+    """|t| of the furrow's wall, where the leaning rear tyre's flank just touches it.
+
+    e cos(rho) - r sin(rho)     rho = asin(depth / track), r the tyre's radius
+    e is the inner flank of a tyre that stands upright
+    """
+    upright_m, sine = (
+        numbers["furrow.edge_m"],
+        depth_m / (2.0 * numbers["furrow.edge_m"] + numbers["tyre_rear.width_m"]),
+    )
+    cosine = math.sqrt(1.0 - sine * sine)
+    return upright_m * cosine - 0.5 * numbers["tyre_rear.diameter_m"] * sine
 
 
 def body_id(model: Any, name: str) -> int:
@@ -184,14 +214,19 @@ def _coupling(
     }
 
 
-def _plough(model: Any, numbers: dict[str, float], side: int) -> dict[Any, float]:
+def _plough(model: Any, numbers: dict[str, float], setting: Setting) -> dict[Any, float]:
+    """The plough's numbers; the operator has shifted it so that the first body meets the wall."""
     laws = tuple(f for f in Plough if f < Plough.WHEEL_RADIUS_M)
     wheel = tuple(f for f in Plough if Plough.WHEEL_RADIUS_M <= f < Plough.SHARES)
     out = _named(numbers, "plough", laws)
     for f in wheel:
         out[f] = _number(numbers, "plough." + f.name.lower().replace("wheel_", "depth_wheel."))
+    side = FURROW_SIDES[setting.furrow]
+    shift_m = (
+        0.0 if side == 0 else numbers["furrow.edge_m"] - furrow_edge_m(numbers, setting.depth_m)
+    )
     mirror = -1.0 if side < 0 else 1.0  # drawn for a furrow on the left
     for i in range(int(out[Plough.BODIES])):
         x, y, z = model.site(f"plough.share_{i + 1}").pos
-        out |= {Plough.SHARES + 3 * i + k: v for k, v in enumerate((x, mirror * y, z))}
+        out |= {Plough.SHARES + 3 * i + k: v for k, v in enumerate((x, mirror * (y - shift_m), z))}
     return out

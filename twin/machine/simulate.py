@@ -16,7 +16,9 @@ from twin.machine.build import Machine
 from twin.machine.columns import Recorder
 from twin.machine.driver import Hands, Observed, Task, ackermann, drive
 from twin.machine.guard import Tape, all_finite, diverged, quiet
+from twin.machine.passes import Passes
 from twin.machine.plough_setting import expected_draft_n
+from twin.machine.route import LOWERING_M
 from twin.machine.start import RAISED_RAD
 from twin.machine.trajectory import Trajectory
 from twin.physics import block
@@ -31,8 +33,6 @@ CONTROLS = (
 )  # fmt: skip
 STALL_MPS = 0.05
 STALL_S = 5.0
-LOWERING_M = 30.0
-"""Distance in which the plough must reach its depth; the length counts from there at most."""
 DEPTH_SLOT = block.MACHINE_SLOTS + int(MachineSlot.DEPTH_M)
 DRAFT_SLOT = block.MACHINE_SLOTS + int(MachineSlot.DRAFT_N)
 
@@ -76,6 +76,7 @@ class Cab:
             draft_n=_expected_draft_n(machine),
         )
         self.hands = Hands(lift_rad=RAISED_RAD)
+        self.passes = Passes(machine, self.batch)
         self._start_rolling()
 
     def _start_rolling(self) -> None:
@@ -97,12 +98,16 @@ class Cab:
         w, x, y, z = self.qpos[0, 3:7]
         ahead = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])
         ahead = rotation.T @ ahead
+        heading_rad = math.atan2(ahead[1], ahead[0])
+        along, left, turned = self.passes.where(float(position[0]), float(position[1]), heading_rad)
         return Observed(
-            along_m=float(position[0]),
-            left_m=float(position[1]),
-            heading_rad=math.atan2(ahead[1], ahead[0]),
+            along_m=along,
+            left_m=left,
+            heading_rad=turned,
             depth_m=float(self.userdata[0, DEPTH_SLOT]),
             draft_n=float(self.userdata[0, DRAFT_SLOT]),
+            turning=self.passes.turning,
+            curvature_pm=self.passes.curvature_pm(along),
         )
 
     def act(self) -> dict[Any, NDArray[Any]]:
@@ -134,14 +139,19 @@ class Cab:
             raise diverged(scenario, model, self.tape, self.steps)
 
     def finished(self, seen: Observed) -> bool:
-        """Whether the course has been driven."""
+        """Whether the course has been driven; at the end of a pass before the last it goes on."""
+        if seen.turning:
+            return False
         course = self.machine.scenario.course
         if course.edge_m is not None and self._past_edge(seen, course.edge_m):
             return True
         start = course.approach_m
         if self.task.depth_m is not None:
             start = min(self.hands.full_depth_at_m, start + LOWERING_M)
-        return seen.along_m >= start + course.length_m
+        if seen.along_m < start + course.length_m:
+            return False
+        self.hands = replace(self.hands, full_depth_at_m=math.inf, bias_rad=0.0)
+        return self.passes.end(seen.along_m)
 
     def _past_edge(self, seen: Observed, edge_m: float) -> bool:
         """Whether a corner of the machine is beyond the edge, at either side of the line."""
@@ -156,13 +166,13 @@ def simulate(machine: Machine, chunk_decisions: int = CHUNK_DECISIONS) -> Iterat
     """Drive the scenario's course; trajectories of about a second each, contiguous.
 
     Ends at the end of the course, or where the tractor has stalled: gained less than 0.25 m along
-    it in 5 s, whether it stands, rocks, spins its wheels or slides away.
+    a leg of it in 5 s, whether it stands, rocks, spins its wheels or slides away.
 
     Raises:
         Diverged: a state is not finite, or MuJoCo warned.
     """
     cab, recorder = Cab(machine), Recorder(machine)
-    reached_m, standing_s, finished = 0.0, 0.0, False
+    reached_m, standing_s, finished, leg = 0.0, 0.0, False, cab.passes.legs[0]
     while not finished:
         records: list[dict[Any, NDArray[Any]]] = []
         with quiet():
@@ -170,6 +180,8 @@ def simulate(machine: Machine, chunk_decisions: int = CHUNK_DECISIONS) -> Iterat
                 records.append(cab.act())
                 seen = cab.observe()
                 standing_s += DECISION_S
+                if cab.passes.legs[0] is not leg:
+                    reached_m, leg = -math.inf, cab.passes.legs[0]
                 if seen.along_m >= reached_m + STALL_MPS * STALL_S:
                     reached_m, standing_s = seen.along_m, 0.0
                 finished = cab.finished(seen) or standing_s > STALL_S

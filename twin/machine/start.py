@@ -17,6 +17,7 @@ from twin.machine.hitch import Hitch
 from twin.physics import block
 from twin.physics.block import WheelSlot
 from twin.scenario import Scenario
+from twin.terrain.grid import GridMap
 
 Array = NDArray[np.float64]
 
@@ -112,12 +113,27 @@ def refuse_warnings(counts: NDArray[Any], name: str, time_s: float) -> None:
 
 
 def standing(
-    model: Any, scenario: Scenario, rotation: Array, hitch: Hitch | None, work_rad: float
+    model: Any,
+    scenario: Scenario,
+    rotation: Array,
+    hitch: Hitch | None,
+    work_rad: float,
+    heights: GridMap | None,
 ) -> Array:
-    """Standing on the ground at the start of the course, the plough carried. Shape (nq,)."""
+    """Standing on the ground at the start of the course, the plough carried. Shape (nq,).
+
+    On a map as high as the highest of its wheels' places.
+    """
     qpos = model.qpos0.copy()
     left_m = scenario.course.start_left_m
-    qpos[:3] = rotation @ np.array([0.0, left_m, model.body("tractor").pos[2]])
+    raised_m = 0.0
+    if heights is not None:
+        front_m, half_m = (
+            float(model.body(b).pos[i]) for b, i in (("front_axle", 0), ("rl_wheel", 1))
+        )
+        places = np.array([[s, left_m + t] for s in (0.0, front_m) for t in (half_m, -half_m)])
+        raised_m = float(heights.at(places[:, 0], places[:, 1]).max())
+    qpos[:3] = rotation @ np.array([0.0, left_m, raised_m + model.body("tractor").pos[2]])
     qpos[3:7] = quaternion(rotation)
     if hitch is None:
         return np.asarray(qpos, dtype=np.float64)

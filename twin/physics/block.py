@@ -12,7 +12,7 @@ from enum import IntEnum
 
 MAGIC = 7.714e38
 """First number of the block; a model without it is left alone, bit for bit."""
-VERSION = 1.0
+VERSION = 2.0
 WHEELS = ("fl", "fr", "rl", "rr")
 
 
@@ -25,6 +25,21 @@ class Head(IntEnum):
     PLOUGH_BODY = 3  # -1 without a plough
     DEPTH_WHEEL_BODY = 4
     SIZE = 5
+
+
+class Grid(IntEnum):
+    """A map over the ground: nodes from 0 to 1 in a height field of the model, row by row."""
+
+    FIRST = 0  # its first node in hfield_data
+    ROWS = 1  # across the ground, from the right; 0 without a map
+    COLUMNS = 2  # along it
+    CELL_M = 3
+    START_M = 4  # s of the first column
+    RIGHT_M = 5  # t of the first row
+    LOW = 6  # value at 0, and from there to that at 1
+    RANGE = 7
+    REPEATS = 8  # 1: without end; 0: its border goes on
+    SIZE = 9
 
 
 class Field(IntEnum):
@@ -41,13 +56,19 @@ class Field(IntEnum):
     FURROW_EDGE_M = 14  # |t| of its wall
     FURROW_START_M = 15  # s where it begins, and over what length it gets its depth
     FURROW_RAMP_M = 16
-    FURROW_WIDTH_M = 17
-    WALL_STIFFNESS_NPM = 18
-    WALL_DAMPING_NSPM = 19
-    ROUGHNESS_M = 20  # n0 sqrt(G_d(n0)) of ISO 8608, in m**0.5; 0 for a smooth ground
-    PATCH_COUNT = 21
-    PATCHES = 22  # start, end [m], friction and cone index as factors; four of them
-    SIZE = 22 + 4 * 4
+    FURROW_END_M = 17  # s where it begins to rise again, over the same length
+    FURROW_WIDTH_M = 18
+    WALL_STIFFNESS_NPM = 19
+    WALL_DAMPING_NSPM = 20
+    PASS_S_M = 21  # where this pass over the field begins, and its way: +1 along, -1 back
+    PASS_T_M = 22
+    PASS_WAY = 23
+    PATCH_COUNT = 24
+    PATCHES = 25  # start, end [m], friction and cone index as factors; four of them
+    HEIGHTS = 25 + 4 * 4  # a Grid: height above the plane [m]
+    MIXTURE = HEIGHTS + 9  # a Grid: share of the other soil [-]
+    OTHER = MIXTURE + 9  # that soil, as Soil numbers its own
+    SIZE = OTHER + 23
 
 
 class Soil(IntEnum):

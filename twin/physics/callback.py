@@ -37,7 +37,7 @@ from twin.physics.engine import (
     parasitic_torque_nm,
     radps_to_rpm,
 )
-from twin.physics.ground import field_axis, on_ground, roughness
+from twin.physics.ground import draft_scale, field_axis, on_ground, on_map
 from twin.physics.plough import (
     depth_wheel_force,
     draft_factor,
@@ -52,6 +52,7 @@ _ = layout.offset
 NV, NA, NBODY, NNUMERIC, NUSERDATA = (
     _("mjModel", n) for n in ("nv", "na", "nbody", "nnumeric", "nuserdata")
 )
+HFIELD_DATA, NHFIELDDATA = _("mjModel", "hfield_data"), _("mjModel", "nhfielddata")
 TIMESTEP = _("mjModel", "opt.timestep")
 NUMERIC_ADR, NUMERIC_SIZE, NUMERIC_DATA = (
     _("mjModel", n) for n in ("numeric_adr", "numeric_size", "numeric_data")
@@ -195,6 +196,7 @@ def pull_plough(
     passive: Array,
     slots: Array,
     powers: Array,
+    nodes: Array,
 ) -> None:
     """Soil forces on the plough's bodies and its depth wheel.
 
@@ -214,7 +216,7 @@ def pull_plough(
     hub = rigid.row3(xpos, wheel)
     velocity = rigid.point_velocity(cvel, com, wheel, root, hub)
     s, t, above = on_ground(field, hub)
-    above -= roughness(field, s, t)[0]
+    above -= on_map(field, Field.HEIGHTS, nodes, s, t)[0]
     spring, drag, load = depth_wheel_force(plough, above, velocity, normal)
     rigid.push(passive, cdof, parent, dof, com, root, hub, rigid.plus(spring, drag), none)
     powers[PowerSlot.DEPTH_WHEEL] = -rigid.dot(spring, velocity)
@@ -227,10 +229,12 @@ def pull_plough(
         at = Plough.SHARES + 3 * i
         tip = rigid.to_world(xpos, xmat, frame, (plough[at], plough[at + 1], plough[at + 2]))
         s, t, above = on_ground(field, tip)
+        above -= on_map(field, Field.HEIGHTS, nodes, s, t)[0]
         if above >= 0.0:
             continue
         velocity = rigid.point_velocity(cvel, com, frame, root, tip)
-        draft = draft_n(plough, soil, -above, math.sqrt(rigid.dot(velocity, velocity)))
+        scale = draft_scale(field, soil, nodes, s, t)
+        draft = draft_n(plough, scale, -above, math.sqrt(rigid.dot(velocity, velocity)))
         draft *= draft_factor(field, soil, s, t, -above)
         draft = max(0.0, draft - relief) + rock_n(field, soil, s, t, i)
         force, landside = share_force(plough, draft, velocity, normal, land)
@@ -270,6 +274,7 @@ def ground_forces(model: Any, data: Any) -> None:
     here = slots[SCRATCH_SLOTS:rate_slots]
     slots[MACHINE_SLOTS:SCRATCH_SLOTS] = 0.0
     dt_s = memory.double(model, TIMESTEP)
+    nodes = carray(memory.floats(model, HFIELD_DATA), memory.size(model, NHFIELDDATA))
     for w in range(4):
         wheel = parameters[WHEEL + w * WHEEL_SIZE : WHEEL + (w + 1) * WHEEL_SIZE]
         body = int(wheel[Wheel.BODY])
@@ -279,6 +284,7 @@ def ground_forces(model: Any, data: Any) -> None:
         force, torque = roll_wheel(
             parameters[FIELD:SOIL], parameters[SOIL:WHEEL], wheel, xpos, xmat, cvel, com, root,
             act, dt_s, slots[w * WHEEL_SLOTS : (w + 1) * WHEEL_SLOTS], rates, powers, here,
+            nodes,
         )  # fmt: skip
         rigid.push(
             passive, cdof, parent, last_dof(model, body), com, root, rigid.row3(xpos, body),
@@ -289,7 +295,7 @@ def ground_forces(model: Any, data: Any) -> None:
         drive(parameters, qvel, act, ctrl, passive, dt_s, machine, rates, powers)
     if parameters[Head.PLOUGH_BODY] >= 0.0:
         pull_plough(
-            model, parameters, xpos, xmat, cvel, com, cdof, parent, passive, machine, powers
+            model, parameters, xpos, xmat, cvel, com, cdof, parent, passive, machine, powers, nodes
         )
     damper = memory.doubles(data, QFRC_DAMPER)
     for j in range(nv):

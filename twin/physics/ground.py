@@ -1,6 +1,6 @@
-"""The ground as a function of place.
+"""The ground as a function of place: its maps, the furrow, and the soil that varies over it.
 
-Random fields made by hashing, so a run can be repeated over it.
+Random fields are made by hashing, so a run can be repeated over them.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from twin.physics.block import Field, Soil
+from twin.physics.block import Field, Grid, Soil
 from twin.physics.compiled import law
 from twin.physics.shapes import Array, Vector
 
@@ -28,9 +28,7 @@ BLEND_M = 0.5
 """Length over which one patch of soil passes into the next [m]: about that of a contact."""
 STRENGTH_LENGTH_M = 3.0
 """Distance between independent values of the soil's strength [m]; assumed."""
-SPREAD = 2.2
-"""Variance of an octave of lattice waves over that of the spectrum it is to give along a line."""
-STRENGTH, RIPPLE, ROCKS, WAVES = 101, 202, 303, 404
+STRENGTH, RIPPLE, ROCKS = 101, 202, 303
 """What is added to the seed so that the fields are independent of each other."""
 
 
@@ -95,10 +93,17 @@ def field_axis(field: Array, which: int) -> Vector:
 
 
 @law
-def furrow(field: Array, s_m: float, t_m: float) -> tuple[float, float]:
-    """Height of the furrow's bottom below the field, and its slope along the course.
+def beside_pass(field: Array, t_m: float) -> float:
+    """Distance to the left of the pass's line, as seen by who drives it [m]."""
+    return field[Field.PASS_WAY] * (t_m - field[Field.PASS_T_M])
 
-    The wheel path of the last pass: beyond its wall, from where that pass got its depth.
+
+@law
+def furrow(field: Array, s_m: float, t_m: float) -> tuple[float, float]:
+    """Height of the furrow's bottom below the field, and its slope along the ground.
+
+    The wheel path of the last pass: beyond its wall, from where that pass got its depth. Side and
+    start are those of this pass, which may go back against the ground's axes.
 
     Returns:
         height_m (<= 0), dh/ds.
@@ -106,86 +111,90 @@ def furrow(field: Array, s_m: float, t_m: float) -> tuple[float, float]:
     side = field[Field.FURROW_SIDE]
     if side == 0.0:
         return 0.0, 0.0
-    beyond = (side * t_m - field[Field.FURROW_EDGE_M]) / EDGE_M
-    along = (s_m - field[Field.FURROW_START_M]) / field[Field.FURROW_RAMP_M]
-    if beyond <= 0.0 or along <= 0.0:
+    way, aside_m = field[Field.PASS_WAY], beside_pass(field, t_m)
+    beyond = (side * aside_m - field[Field.FURROW_EDGE_M]) / EDGE_M
+    if beyond <= 0.0:
+        return 0.0, 0.0
+    done_m, ramp_m = way * (s_m - field[Field.PASS_S_M]), field[Field.FURROW_RAMP_M]
+    along = (done_m - field[Field.FURROW_START_M]) / ramp_m
+    left = (field[Field.FURROW_END_M] - done_m) / ramp_m + 1.0
+    if left < along:
+        along, way = left, -way
+    if along <= 0.0:
         return 0.0, 0.0
     depth = field[Field.FURROW_DEPTH_M] * min(1.0, beyond)
     if along >= 1.0:
         return -depth, 0.0
-    slope = 6.0 * along * (1.0 - along) / field[Field.FURROW_RAMP_M]
+    slope = way * 6.0 * along * (1.0 - along) / ramp_m
     return -depth * along * along * (3.0 - 2.0 * along), -depth * slope
 
 
 @law
-def wave(seed: float, s_m: float, t_m: float, length_m: float) -> tuple[float, float, float]:
-    """Smooth random surface of unit mean square, nodes `length_m` apart, and its slopes.
+def on_map(
+    field: Array, which: int, nodes: Array, s_m: float, t_m: float
+) -> tuple[float, float, float]:
+    """Value of a map at a place, between its four nodes, and its slopes; 0 without a map.
 
-    h = k sum_i w_i g_i with smoothstep weights; k makes its variance, averaged over place, one.
+        f = (1 - b) ((1 - a) f00 + a f10) + b ((1 - a) f01 + a f11)
+
+    Args:
+        field: its part of the block.
+        which: the map, by its place there (HEIGHTS, MIXTURE).
+        nodes: the model's hfield_data.
+        s_m, t_m: the place.
 
     Returns:
-        h, dh/ds, dh/dt.
+        f, df/ds, df/dt.
     """
-    u, v = s_m / length_m, t_m / length_m
-    iu, iv = math.floor(u), math.floor(v)
-    a, b = u - iu, v - iv
-    da, db = 6.0 * a * (1.0 - a), 6.0 * b * (1.0 - b)
-    a, b = a * a * (3.0 - 2.0 * a), b * b * (3.0 - 2.0 * b)
-    jx, jy = np.int64(iu), np.int64(iv)
-    g00, g10 = node_value(seed, jx, jy), node_value(seed, jx + 1, jy)
-    g01, g11 = node_value(seed, jx, jy + 1), node_value(seed, jx + 1, jy + 1)
-    near, far = g00 + a * (g10 - g00), g01 + a * (g11 - g01)
-    along = (1.0 - b) * (g10 - g00) + b * (g11 - g01)
-    k = 35.0 / 26.0  # the mean of (w**2 + (1 - w)**2) over smoothstep is 26/35, in each direction
+    columns, rows = int(field[which + Grid.COLUMNS]), int(field[which + Grid.ROWS])
+    if rows == 0:
+        return 0.0, 0.0, 0.0
+    cell_m, first = field[which + Grid.CELL_M], int(field[which + Grid.FIRST])
+    along_s = along_t = field[which + Grid.RANGE] / cell_m
+    u = (s_m + field[Field.ORIGIN_S_M] - field[which + Grid.START_M]) / cell_m
+    v = (t_m + field[Field.ORIGIN_T_M] - field[which + Grid.RIGHT_M]) / cell_m
+    if field[which + Grid.REPEATS] != 0.0:
+        i, j = math.floor(u), math.floor(v)
+        a, b = u - i, v - j
+        i, j = int(i) % columns, int(j) % rows
+        east, north = (i + 1) % columns, (j + 1) % rows
+    else:  # a place beyond the border has the border's value, and no slope across it
+        along_s = along_s if 0.0 <= u <= columns - 1.0 else 0.0
+        along_t = along_t if 0.0 <= v <= rows - 1.0 else 0.0
+        u, v = min(max(u, 0.0), columns - 1.0), min(max(v, 0.0), rows - 1.0)
+        i, j = min(int(u), columns - 2), min(int(v), rows - 2)
+        a, b = u - i, v - j
+        east, north = i + 1, j + 1
+    near, far = first + j * columns, first + north * columns
+    f00, f10, f01, f11 = nodes[near + i], nodes[near + east], nodes[far + i], nodes[far + east]
+    right, left = f00 + a * (f10 - f00), f01 + a * (f11 - f01)
     return (
-        k * (near + b * (far - near)),
-        k * da * along / length_m,
-        k * db * (far - near) / length_m,
+        field[which + Grid.LOW] + field[which + Grid.RANGE] * (right + b * (left - right)),
+        along_s * ((1.0 - b) * (f10 - f00) + b * (f11 - f01)),
+        along_t * (left - right),
     )
 
 
 @law
-def roughness(field: Array, s_m: float, t_m: float) -> tuple[float, float, float]:
-    """Height of a rough ground above its plane, and its slopes, at a place.
-
-    Octaves of random waves whose variances go as ISO 8608 gives them:
-
-        G_d(n) = G_d(n0) (n / n0)**-2        var[n, 2 n] = G_d(n0) n0**2 / (2 n)
-
-    times 2.2, because waves on a lattice spread to longer ones as well. Along any line their sum
-    has G_d within a fifth from 0.08 to 0.8 cycles per metre and fades at both ends: there are no
-    hills, and shorter waves vanish under the tyre's contact.
-
-    Returns:
-        h, dh/ds, dh/dt.
-    """
-    scale = field[Field.ROUGHNESS_M]
-    if scale == 0.0:
-        return 0.0, 0.0, 0.0
-    s, t = s_m + field[Field.ORIGIN_S_M], t_m + field[Field.ORIGIN_T_M]
-    height = slope_s = slope_t = 0.0
-    cycles = 0.0625
-    for octave in range(5):
-        sd = scale * math.sqrt(SPREAD / (2.0 * cycles))
-        length_m = 0.5 / (math.sqrt(2.0) * cycles)
-        h, h_s, h_t = wave(field[Field.SEED] + WAVES + octave, s, t, length_m)
-        height, slope_s, slope_t = height + sd * h, slope_s + sd * h_s, slope_t + sd * h_t
-        cycles *= 2.0
-    return height, slope_s, slope_t
-
-
-@law
-def surface(field: Array, s_m: float, t_m: float) -> tuple[float, float, float]:
-    """Height of the ground at a place, furrow and roughness together, and its slopes."""
-    height, slope_s, slope_t = roughness(field, s_m, t_m)
+def surface(field: Array, nodes: Array, s_m: float, t_m: float) -> tuple[float, float, float]:
+    """Height of the ground at a place, its map and the furrow together, and its slopes."""
+    height, slope_s, slope_t = on_map(field, Field.HEIGHTS, nodes, s_m, t_m)
     bottom, slope = furrow(field, s_m, t_m)
     return height + bottom, slope_s + slope, slope_t
 
 
 @law
-def soil_at(field: Array, soil: Array, s_m: float, t_m: float, out: Array) -> None:
-    """The soil's numbers at a place: patches, and strength that varies from place to place."""
+def soil_at(field: Array, soil: Array, nodes: Array, s_m: float, t_m: float, out: Array) -> None:
+    """The soil's numbers at a place: the map's other soil, patches, and strength that varies.
+
+    Where the two soils meet their numbers are mixed; the law is that of the larger share.
+    """
     out[:] = soil[:]
+    if field[Field.MIXTURE + Grid.ROWS] != 0.0:
+        share = on_map(field, Field.MIXTURE, nodes, s_m, t_m)[0]
+        for i in range(len(soil)):
+            out[i] += share * (field[Field.OTHER + i] - soil[i])
+        out[Soil.LAW] = field[Field.OTHER + Soil.LAW] if share > 0.5 else soil[Soil.LAW]
     friction = mobility = 1.0
     for i in range(int(field[Field.PATCH_COUNT])):
         at = Field.PATCHES + 4 * i
@@ -203,3 +212,11 @@ def soil_at(field: Array, soil: Array, s_m: float, t_m: float, out: Array) -> No
     out[Soil.CONE_INDEX_KPA] *= mobility
     out[Soil.K_C] *= mobility
     out[Soil.K_PHI] *= mobility
+
+
+@law
+def draft_scale(field: Array, soil: Array, nodes: Array, s_m: float, t_m: float) -> float:
+    """F of ASABE D497 at a place, between that of the soil and of the map's other soil."""
+    share = on_map(field, Field.MIXTURE, nodes, s_m, t_m)[0]
+    own = soil[Soil.DRAFT_SCALE]
+    return own + share * (field[Field.OTHER + Soil.DRAFT_SCALE] - own)

@@ -25,6 +25,16 @@ def doubles(typing_context: Any, base: Any, offset: Any) -> Any:
 
 
 @intrinsic
+def floats(typing_context: Any, base: Any, offset: Any) -> Any:
+    """The `float*` stored `offset` bytes into the struct at `base`."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return _load(context, builder, args[0], args[1], ir.FloatType().as_pointer())
+
+    return types.CPointer(types.float32)(types.voidptr, types.intp), codegen
+
+
+@intrinsic
 def ints(typing_context: Any, base: Any, offset: Any) -> Any:
     """The `int*` stored `offset` bytes into the struct at `base`."""
 

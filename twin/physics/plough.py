@@ -23,16 +23,16 @@ ROCK_CELL_M, ROCK_LENGTH_M = 10.0, 0.25
 
 
 @law
-def draft_n(plough: Array, soil: Array, depth_m: float, speed_mps: float) -> float:
+def draft_n(plough: Array, draft_scale: float, depth_m: float, speed_mps: float) -> float:
     """Draft of one plough body.
 
-        D = F (A + C S**2) w T        S in km/h, w in m, T in cm; F is soil.draft_scale
+        D = F (A + C S**2) w T        S in km/h, w in m, T in cm; F is draft_scale
 
     ASABE D497, mould-board plough (A 652, B 0, C 5.1).
     """
     speed_kmh = 3.6 * speed_mps
     specific = plough[Plough.DRAFT_A] + plough[Plough.DRAFT_C] * speed_kmh * speed_kmh
-    return soil[Soil.DRAFT_SCALE] * specific * plough[Plough.BODY_WIDTH_M] * 100.0 * depth_m
+    return draft_scale * specific * plough[Plough.BODY_WIDTH_M] * 100.0 * depth_m
 
 
 @law
@@ -63,7 +63,7 @@ def rock_n(field: Array, soil: Array, s_m: float, t_m: float, share: int) -> flo
         return 0.0
     s = s_m + field[Field.ORIGIN_S_M]
     cell = math.floor(s / ROCK_CELL_M)
-    lane = 10 * math.floor(field[Field.ORIGIN_T_M]) + share
+    lane = 10 * math.floor(field[Field.ORIGIN_T_M] + field[Field.PASS_T_M]) + share
     seed = field[Field.SEED] + ROCKS
     chance = 0.5 + node_value(seed, int(cell), lane) / math.sqrt(12.0)
     if chance >= density * ROCK_CELL_M * 0.35:

@@ -7,7 +7,7 @@ import math
 from twin.physics import rigid
 from twin.physics.block import Field, PowerSlot, Soil, Wheel, WheelSlot
 from twin.physics.compiled import law
-from twin.physics.ground import field_axis, furrow, on_ground, soil_at, surface
+from twin.physics.ground import beside_pass, field_axis, furrow, on_ground, soil_at, surface
 from twin.physics.laws import soil_forces
 from twin.physics.shapes import Array, Vector
 
@@ -95,7 +95,7 @@ def wall_force(field: Array, wheel: Array, s_m: float, t_m: float, side_mps: flo
     side, half = field[Field.FURROW_SIDE], 0.5 * wheel[Wheel.WIDTH_M]
     stiffness = field[Field.WALL_STIFFNESS_NPM] * depth
     damping = field[Field.WALL_DAMPING_NSPM] * depth
-    place, edge = side * t_m, field[Field.FURROW_EDGE_M]
+    place, edge = side * beside_pass(field, t_m), field[Field.FURROW_EDGE_M]
     outward = side * side_mps
     at_wall = edge - (place - half)
     at_slice = place + half - (edge + field[Field.FURROW_WIDTH_M])
@@ -122,6 +122,17 @@ def contact_shift_m(wheel: Array, camber_tangent: float, deflection_m: float) ->
 
 
 @law
+def tread_point(wheel: Array, hub: Vector, axle: Vector, normal: Vector) -> Vector:
+    """The lowest point of the middle of the tread: where a leaning wheel meets the ground.
+
+    p = hub - r u        u = the normal's part across the axle, made a unit
+    """
+    up = rigid.minus(normal, rigid.scaled(rigid.dot(axle, normal), axle))
+    square = max(rigid.dot(up, up), LEAST_UPRIGHT_SQUARED)
+    return rigid.minus(hub, rigid.scaled(0.5 * wheel[Wheel.DIAMETER_M] / math.sqrt(square), up))
+
+
+@law
 def roll_wheel(
     field: Array,
     soil: Array,
@@ -137,6 +148,7 @@ def roll_wheel(
     rates: Array,
     powers: Array,
     here: Array,
+    nodes: Array,
 ) -> tuple[Vector, Vector]:
     """Force and torque of the ground on one wheel, at its hub; fills its slots, rates and powers.
 
@@ -144,10 +156,11 @@ def roll_wheel(
         force, torque: world axes, tuples; zero for a lifted wheel.
     """
     body, tyre = int(wheel[Wheel.BODY]), int(wheel[Wheel.TYRE])
-    hub = rigid.row3(xpos, body)
-    s, t, above = on_ground(field, hub)
-    height, slope_s, slope_t = surface(field, s, t)
+    hub, axle = rigid.row3(xpos, body), rigid.axis(xmat, body, 1)
     normal = field_axis(field, Field.NORMAL)
+    above = rigid.dot(hub, normal)
+    s, t, _ = on_ground(field, tread_point(wheel, hub, axle, normal))
+    height, slope_s, slope_t = surface(field, nodes, s, t)
     steepness = 1.0
     if slope_s != 0.0 or slope_t != 0.0:
         downhill = rigid.plus(
@@ -156,7 +169,6 @@ def roll_wheel(
         )
         normal = rigid.unit(rigid.minus(normal, downhill))
         steepness = 1.0 / math.sqrt(1.0 + slope_s * slope_s + slope_t * slope_t)
-    axle = rigid.axis(xmat, body, 1)
     ahead = rigid.unit(rigid.cross(axle, normal))
     left = rigid.cross(normal, ahead)
     velocity = rigid.point_velocity(cvel, com, body, root, hub)
@@ -180,7 +192,7 @@ def roll_wheel(
     if deflection <= 0.0 or load <= 1.0:
         rates[tyre], rates[tyre + 1] = -u_x / LIFTED_S, -u_y / LIFTED_S
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    soil_at(field, soil, s, t, here)
+    soil_at(field, soil, nodes, s, t, here)
     x, y, resistance, rolling, sinkage, rates[tyre], rates[tyre + 1] = relaxed_shear(
         here, wheel, load, spin, roll, side, u_x, u_y, dt_s
     )

@@ -1,0 +1,35 @@
+"""A map: values on a square grid over the ground, linear between its nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class GridMap:
+    """Values over a part of the ground."""
+
+    nodes: Array
+    """Rows across the ground from the right, columns along it. Shape (rows, columns)."""
+    cell_m: float
+    """Distance between nodes."""
+    start_m: float
+    """s of the first column."""
+    right_m: float
+    """t of the first row."""
+    repeats: bool
+    """Whether it goes on without end; if not, its border does."""
+
+    def at(self, s_m: Array, t_m: Array) -> Array:
+        """Values at places on the ground; arrays of one shape."""
+        row = (np.asarray(t_m) - self.right_m) / self.cell_m
+        column = (np.asarray(s_m) - self.start_m) / self.cell_m
+        mode: Literal["grid-wrap", "nearest"] = "grid-wrap" if self.repeats else "nearest"
+        return map_coordinates(self.nodes, np.stack([row, column]), order=1, mode=mode)

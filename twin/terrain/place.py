@@ -1,0 +1,83 @@
+"""Maps in a model: MuJoCo height fields, which the laws read and the viewer shows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from twin.physics.block import Grid
+from twin.terrain.grid import GridMap
+
+LEAST_RANGE = 1e-9
+"""Range of a map that is the same everywhere: MuJoCo wants one."""
+
+
+def add_map(spec: Any, name: str, grid: GridMap) -> None:
+    """Add a map to a model's specification as a height field; whoever wants to see it adds a geom.
+
+    Args:
+        spec: mujoco.MjSpec.
+        name: of the height field.
+        grid: the map.
+    """
+    rows, columns = grid.nodes.shape
+    low, span = _range(grid)
+    spec.add_hfield(
+        name=name,
+        nrow=rows,
+        ncol=columns,
+        size=[0.5 * (columns - 1) * grid.cell_m, 0.5 * (rows - 1) * grid.cell_m, span, 0.1],
+        userdata=((grid.nodes - low) / span).ravel(),
+    )
+
+
+def grid_part(model: Any, name: str, grid: GridMap, at: int) -> dict[Any, float]:
+    """A map's numbers for the parameter block, from `at` on."""
+    low, span = _range(grid)
+    rows, columns = grid.nodes.shape
+    values = {
+        Grid.FIRST: int(model.hfield_adr[model.hfield(name).id]),
+        Grid.ROWS: rows,
+        Grid.COLUMNS: columns,
+        Grid.CELL_M: grid.cell_m,
+        Grid.START_M: grid.start_m,
+        Grid.RIGHT_M: grid.right_m,
+        Grid.LOW: low,
+        Grid.RANGE: span if np.ptp(grid.nodes) > 0.0 else 0.0,
+        Grid.REPEATS: float(grid.repeats),
+    }
+    return {at + name: value for name, value in values.items()}
+
+
+def _range(grid: GridMap) -> tuple[float, float]:
+    return float(grid.nodes.min()), max(float(np.ptp(grid.nodes)), LEAST_RANGE)
+
+
+def show_heights(spec: Any, grid: GridMap, rotation: np.ndarray, quaternion: Any) -> None:
+    """A geom that shows the heights where they are; nothing touches it.
+
+    Args:
+        spec: mujoco.MjSpec with the height field "heights".
+        grid: the map.
+        rotation, quaternion: of the ground's frame in the world.
+    """
+    rows, columns = grid.nodes.shape
+    middle = np.array(
+        [
+            grid.start_m + 0.5 * (columns - 1) * grid.cell_m,
+            grid.right_m + 0.5 * (rows - 1) * grid.cell_m,
+            _range(grid)[0],
+        ]
+    )
+    spec.worldbody.add_geom(
+        name="terrain",
+        type=mujoco.mjtGeom.mjGEOM_HFIELD,
+        hfieldname="heights",
+        pos=rotation @ middle,
+        quat=quaternion,
+        contype=0,
+        conaffinity=0,
+        rgba=[0.48, 0.40, 0.27, 1.0],
+    )
