@@ -183,7 +183,7 @@ def test_cutting_the_drive_changes_no_bit_of_its_truth():
 def test_along_a_slope_the_held_line_is_a_sideslip_downhill():
     """Rising to the left, the tractor slides to its right and steers up to keep its line."""
     scenario = replace(
-        field(EVEN, cross_slope_deg=12.0), course=replace(BARE.course, length_m=30.0)
+        field(EVEN, cross_slope_deg=12.0), course=replace(BARE.course, length_m=90.0)
     )
     machine = build(scenario)
     parts = [truth.sample(c, ("rl", "rr")) for c in simulate(machine)]
@@ -204,7 +204,8 @@ def test_along_a_slope_the_held_line_is_a_sideslip_downhill():
 def test_the_frame_of_the_drive_is_the_frame_of_its_truth():
     """Position differentiates to the tabled ground-plane velocities, on a slope and off east."""
     scenario = replace(
-        field(BARE, cross_slope_deg=18.0), course=replace(BARE.course, heading_deg=17.0)
+        field(BARE, cross_slope_deg=18.0),
+        course=replace(BARE.course, heading_deg=17.0, length_m=60.0),
     )
     columns = driven(scenario)
     n = len(columns["position_w"])

@@ -16,7 +16,7 @@ from twin.machine.build import Machine, build
 from twin.machine.start import RAISED_RAD
 from twin.physics import block
 from twin.physics.block import MachineSlot, WheelSlot
-from twin.scenario import Plough
+from twin.scenario import Field, Plough
 
 MODELS = Path(__file__).parents[2] / "models"
 SCENES = sorted(MODELS.glob("*/scene.xml"))
@@ -190,7 +190,7 @@ def test_shares_cut_side_by_side(tractor: tuple[Any, Any]) -> None:
 
 @pytest.fixture(scope="module", params=[0.15, 0.25])
 def machine(request: pytest.FixtureRequest) -> Machine:
-    return build(replace(CM_25, plough=Plough(depth_m=request.param)))
+    return build(replace(CM_25, plough=Plough(depth_m=request.param), field=Field()))
 
 
 def at_rest(machine: Machine, lift_rad: float, seconds: float) -> Any:
