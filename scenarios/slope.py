@@ -8,8 +8,10 @@ the runs start nor how fast they are; both are declared here.
 
 from __future__ import annotations
 
+from math import radians
+
 from twin.scenario import Course, Drive, Field, Scenario, Soil
-from twin.sensors import Gnss, Imu, Outage, Sensors
+from twin.sensors import Camera, Gnss, Imu, Outage, Sensors
 
 TAISHAN_8 = Scenario(
     name="slope-8-taishan",
@@ -18,10 +20,15 @@ TAISHAN_8 = Scenario(
     course=Course(approach_m=15.0, length_m=100.0),
 )
 
-PLATFORM = Course(approach_m=0.0, length_m=11.0, start_left_m=0.3, hold_line=False, edge_m=1.0)
+PLATFORM = Course(approach_m=0.0, length_m=11.0, start_left_m=0.3, hold_line=False, edge_m=1.0,
+                  calibration_m=20.0)  # fmt: skip
 """From 0.1 m behind the platform's start to where a corner reaches its side or its end."""
 ELECTRIC = Drive(gear_ratio=50.0, engine_set_rpm=2400.0, differential_lock=False)
 """About 1 m/s."""
+
+HEADING_BIAS_SD_RAD = radians(0.2)
+CAMERA = Camera(position_m=(0.98, 0.0, 0.305), binning=4)
+"""0.18 m ahead of the front axle, 0.5 m above ground; binned as the odometry would do itself."""
 
 
 def _platform(cross_slope_deg: float, soil: str, *, masked: bool = False) -> Scenario:
@@ -36,7 +43,11 @@ def _platform(cross_slope_deg: float, soil: str, *, masked: bool = False) -> Sce
         drive=ELECTRIC,
         course=PLATFORM,
         sensors=Sensors(
-            gnss=Gnss(outages=masks), imu=Imu(vibration_rms_mps2=0.05), depth=None, machine=None
+            gnss=Gnss(outages=masks, heading_bias_sd_rad=HEADING_BIAS_SD_RAD),
+            imu=Imu(vibration_rms_mps2=0.05),
+            depth=None,
+            machine=None,
+            camera=CAMERA,
         ),
     )
 

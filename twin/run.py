@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 
 from twin import sensors, truth
+from twin.camera import tracking
+from twin.camera.tracking import Tracker
+from twin.machine import calibration
 from twin.machine.build import Machine, build
 from twin.machine.driver import FULL_DEPTH
 from twin.machine.geometry import geometry
 from twin.machine.notes import notes
 from twin.machine.route import length_m
-from twin.machine.simulate import simulate
 from twin.scenario import Scenario
+from twin.sensors import Sensors
 from twin.streams import Setup, Streams, Table, concatenate
 
 
@@ -51,6 +57,7 @@ def run(
     *,
     estimators: Mapping[str, Estimator],
     progress: Callable[[float], None] | None = None,
+    frames: Path | None = None,
 ) -> Run:
     """Drive a scenario, sense it, and estimate from what was sensed.
 
@@ -58,6 +65,7 @@ def run(
         scenario: what is driven, with its seed.
         estimators: by name; each sees the set-up and the streams, nothing else.
         progress: told the fraction of the course driven, from 0 to 1.
+        frames: folder where the camera's frames are saved as PNG.
 
     Raises:
         Diverged: the simulation left the finite numbers; its evidence repeats the last second.
@@ -66,14 +74,18 @@ def run(
     machine = build(scenario)
     nominal = geometry(machine)
     setup = sensors.setup(scenario.sensors, nominal)
-    streams, true = sense(machine, nominal.driven, progress or (lambda fraction: None))
-    ended = _ended(machine, true)
+    streams, true = sense(machine, nominal.driven, progress or _silent, frames)
+    ended, start_ns = _ended(machine, true), int(true["epoch_ns"][0])
     estimates = {
-        name: estimator.run(estimator.init(setup), streams)[1]
+        name: _of_the_run(estimator.run(estimator.init(setup), streams)[1], start_ns)
         for name, estimator in estimators.items()
     }
     wall_s = time.perf_counter() - start
     return Run(scenario, setup, streams, true, estimates, wall_s, ended, notes(machine))
+
+
+def _silent(fraction: float) -> None:
+    """Nobody wants to know."""
 
 
 def _ended(machine: Machine, true: Table) -> str:
@@ -93,20 +105,53 @@ def _ended(machine: Machine, true: Table) -> str:
 
 
 def sense(
-    machine: Machine, driven: tuple[str, ...], progress: Callable[[float], None]
+    machine: Machine,
+    driven: tuple[str, ...],
+    progress: Callable[[float], None],
+    frames: Path | None = None,
 ) -> tuple[Streams, Table]:
-    """Drive a machine; what its sensors gave, and the truth."""
+    """Drive a machine, after its calibration; what its sensors gave, and the truth of the run.
+
+    Args:
+        machine: what is driven.
+        driven: its driven wheels.
+        progress: told the fraction of the course driven.
+        frames: folder where the camera's frames are saved as PNG.
+    """
     scenario = machine.scenario
-    state = sensors.init(scenario.sensors, scenario.seed)
+    recording, run_chunks = calibration.run_chunks(machine)
+    fitted = sensors.faults_from(scenario.sensors, recording.start_ns * 1e-9)
+    state = sensors.init(fitted, scenario.seed)
+    tracker = _tracker(fitted, machine, frames)
     course_m, driven_m = length_m(scenario), 0.0
     streams, parts = [], []
-    for chunk in simulate(machine):
-        state, sampled = sensors.sample(scenario.sensors, state, chunk)
-        streams.append(sampled)
-        parts.append(truth.sample(chunk, driven))
-        driven_m += float(np.linalg.norm(chunk["position_w"][-1] - chunk["position_w"][0]))
-        progress(min(1.0, driven_m / course_m))
+    with ThreadPoolExecutor(1) as pool:
+        for chunk in itertools.chain(recording.chunks, run_chunks):
+            state, sampled = sensors.sample(fitted, state, chunk)
+            sampled = recording.recorded(sampled)
+            if tracker is not None:
+                tracker, sampled = tracking.track(tracker, sampled, pool)
+            streams.append(sampled)
+            if chunk.epoch_ns[0] >= recording.start_ns:
+                parts.append(truth.sample(chunk, driven))
+                place_w = chunk["position_w"]
+                driven_m += float(np.linalg.norm(place_w[-1] - place_w[0]))
+                progress(min(1.0, driven_m / course_m))
     full_depth_m = None if scenario.plough is None else FULL_DEPTH * scenario.plough.depth_m
     progress(1.0)
     table = truth.integrate(truth.concatenate(parts), full_depth_m)
     return concatenate(streams), {name: np.ascontiguousarray(c) for name, c in table.items()}
+
+
+def _tracker(fitted: Sensors, machine: Machine, frames: Path | None) -> Tracker | None:
+    camera = fitted.camera
+    if camera is None:
+        return None
+    setup = sensors.setup(fitted, geometry(machine))
+    return tracking.tracker(setup, camera.odometry, camera.processing_s, frames)
+
+
+def _of_the_run(estimates: Table, start_ns: int) -> Table:
+    """Estimates from the run's first instant on: what was said in the calibration is no result."""
+    kept = estimates["epoch_ns"] >= start_ns
+    return {name: column[kept] for name, column in estimates.items()}

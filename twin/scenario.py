@@ -291,6 +291,9 @@ class Course:
     """Steer along the line; if not, the wheels point straight ahead and the heading is free."""
     edge_m: float | None = None
     """The run ends when a corner of the machine is so far beside the line [m]; None for a field."""
+    calibration_m: float = 0.0
+    """Drive so far out and back on level ground before the run [m], all the calibration there is;
+    the estimators see it, and it is not scored."""
 
     def __post_init__(self) -> None:
         check_range("course.approach_m", self.approach_m, 0.0, 500.0)
@@ -310,6 +313,8 @@ class Course:
                 f"course.passes = {self.passes} needs a driver who holds the line on a field "
                 "without an edge"
             )
+        if self.calibration_m:
+            check_range("course.calibration_m", self.calibration_m, 5.0, 500.0)
         check_range("course.heading_deg", self.heading_deg, -180.0, 180.0)
 
 

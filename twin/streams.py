@@ -52,14 +52,21 @@ COLUMNS: dict[str, tuple[str, ...]] = {
         "steer_rad", "hitch_m", "draft_pin_n", "axle_torque_nm",
         "engine_radps", "engine_load", "fuel_lph",
     ),
-    "camera": ("frame",),
+    "camera": (
+        "frame", "interval_s", "v_x_mps", "v_y_mps", "var_x_m2ps2", "var_y_m2ps2", "cov_xy_m2ps2",
+        "yaw_rad", "scale", "quality", "used", "reason",
+    ),
 }  # fmt: skip
 """Columns each sensor may have beside its stamps.
 
 `quality` is NMEA GGA's (4 fixed, 5 float, 1 single, 0 none); `ticks_*` are cumulative int64;
 `speed_*_mps` are the theoretical speed w R of a source that gives no ticks (a single wheel-based
 vehicle speed stands in both driven wheels); `frame` is the number of a camera's frame, int64, under
-which `Streams.frames` has it. The order of the sensors is the order in which samples
+which `Streams.frames` has it. A camera with odometry on board gives, in place of frames, what each
+frame told: the velocity of its optical centre, forward and left in the ground plane, over the
+`interval_s` about the epoch, its covariance, `yaw_rad` the picture turned and `scale` its height
+grew by, NaN where a frame was not `used`, for a `reason` (`estimators.odometry.lens.Reason`). Its
+mounting's yaw and tilt are in it. The order of the sensors is the order in which samples
 that arrive at the same instant are handed on.
 """
 

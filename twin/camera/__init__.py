@@ -5,5 +5,7 @@ pinhole                poses, and the homography from pixels to the ground
 planar, patch          two ways to draw it: projection (default), MuJoCo's renderer through EGL
 image                  exposure, vignetting and noise: bytes
 frames                 frames drawn or read when asked for; saved as PNG
-sensor                 epochs, arrivals, mounting: `Camera`, `init`, `sample`, `stream`
+tracking               frames into velocities on board, one frame at a time
+
+As a sensor, with its epochs, arrivals and mounting, it is `twin.sensors.camera`.
 """

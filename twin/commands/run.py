@@ -30,6 +30,10 @@ class Options:
     """Folder to write; runs/<name>-seed<N> by default."""
     estimators: str = DEFAULT_ESTIMATORS
     """Names, or module:Name of your own, separated by commas."""
+    frames: Path | None = None
+    """Folder for the camera's frames as PNG."""
+    mask: tuple[float, float] | None = None
+    """Foil over both antennas from this second of the run on, for so many seconds."""
     view: bool = False
     """Open the recording when done."""
     quiet: bool = False
@@ -58,12 +62,14 @@ def execute(scenario: Any, options: Options) -> Path:
 
     directory = options.out or runfolder.default_directory(scenario.name, scenario.seed)
     runfolder.refuse_foreign(directory)  # before the work, not after it
+    scenario = _masked(scenario, options.mask)
+    _check_frames(scenario, options.frames)
     estimators = load_estimators(options.estimators)
     from twin.run import run  # heavy, so only once the input is known to be good
 
     shown = not (options.quiet or options.json)
     with progress(scenario.name, shown=shown) as report:
-        result = run(scenario, estimators=estimators, progress=report)
+        result = run(scenario, estimators=estimators, progress=report, frames=options.frames)
     platform = scenario.course.edge_m is not None  # a short run, whose totals count from its start
     window = scores.window_s(result.truth, settle_s=0.0) if platform else None
     table = scores.score(
@@ -78,6 +84,30 @@ def execute(scenario: Any, options: Options) -> Path:
     runfolder.write(result, table, directory, pictures=_pictures())
     _say(result, table, directory, options)
     return directory
+
+
+def _masked(scenario: Any, mask: tuple[float, float] | None) -> Any:
+    """The scenario with one more scheduled fault of its receiver."""
+    from twin.sensors import Outage
+
+    if mask is None:
+        return scenario
+    gnss = scenario.sensors.gnss
+    if gnss is None:
+        raise BadInput(f"--mask: scenario '{scenario.name}' has no GNSS receiver to mask")
+    fault = Outage(start_s=mask[0], duration_s=mask[1], kind="mask")
+    outages = tuple(sorted((*gnss.outages, fault), key=lambda o: o.start_s))
+    gnss = dataclasses.replace(gnss, outages=outages)
+    return dataclasses.replace(scenario, sensors=dataclasses.replace(scenario.sensors, gnss=gnss))
+
+
+def _check_frames(scenario: Any, folder: Path | None) -> None:
+    if folder is None:
+        return
+    if scenario.sensors.camera is None:
+        raise BadInput(f"--frames {folder}: scenario '{scenario.name}' has no camera")
+    if folder.exists() and not folder.is_dir():
+        raise BadInput(f"--frames {folder} is no folder; choose another")
 
 
 def load_estimators(names: str) -> dict[str, Any]:

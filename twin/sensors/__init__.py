@@ -5,17 +5,19 @@ Each module turns noise-free quantities into one sensor's stream: a frozen confi
 `suite` runs them together, `nominal` says what an estimator is told of them.
 """
 
+from twin.sensors.camera import Camera
 from twin.sensors.depth import Depth
 from twin.sensors.fix import Outage
 from twin.sensors.gnss import Gnss
 from twin.sensors.imu import Imu
 from twin.sensors.machine import Bus
 from twin.sensors.nominal import Geometry, setup
-from twin.sensors.suite import Sensors, SuiteState, ideal, init, sample
+from twin.sensors.suite import Sensors, SuiteState, faults_from, ideal, init, sample
 from twin.sensors.wheels import Wheels
 
 __all__ = [
     "Bus",
+    "Camera",
     "Depth",
     "Geometry",
     "Gnss",
@@ -24,6 +26,7 @@ __all__ = [
     "Sensors",
     "SuiteState",
     "Wheels",
+    "faults_from",
     "ideal",
     "init",
     "sample",

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from twin.sensors import depth, gnss, imu, machine, wheels
+from twin.sensors import camera, depth, gnss, imu, machine, wheels
+from twin.sensors.camera import Camera
 from twin.sensors.depth import Depth
 from twin.sensors.gnss import Gnss
 from twin.sensors.imu import Imu
@@ -27,6 +28,7 @@ MODULES: dict[str, ModuleType] = {
     "wheels": wheels,
     "depth": depth,
     "machine": machine,
+    "camera": camera,
 }
 """Module of each stream; each has init(config, seed, start_ns) and sample(config, state, chunk)."""
 
@@ -45,6 +47,8 @@ class Sensors:
     """Laser and inclinometer on the plough."""
     machine: Bus | None = field(default_factory=Bus)
     """The machine's own bus."""
+    camera: Camera | None = None
+    """Camera that looks down at the ground."""
 
     def fitted(self) -> dict[str, Any]:
         """Configuration of each sensor that is not switched off, by stream."""
@@ -91,7 +95,20 @@ def sample(sensors: Sensors, state: SuiteState, chunk: Trajectory) -> tuple[Suit
         count = int(np.searchsorted(table["arrival_ns"], now_ns, side="right"))
         arrived[name] = {c: v[:count] for c, v in table.items()}
         waiting[name] = {c: v[count:] for c, v in table.items()}
-    return SuiteState(sensors=states, waiting=waiting), Streams(arrived)
+    after = SuiteState(sensors=states, waiting=waiting)
+    if sensors.camera is None:
+        return after, Streams(arrived)
+    frames = camera.frames(sensors.camera, states["camera"], arrived["camera"])
+    arrived["camera"] = camera.stream_table(arrived["camera"])  # the poses are true ones
+    return after, Streams(arrived, frames)
+
+
+def faults_from(sensors: Sensors, start_s: float) -> Sensors:
+    """The same sensors with their scheduled faults counted from an instant of the recording."""
+    if sensors.gnss is None or start_s == 0.0:
+        return sensors
+    outages = tuple(replace(o, start_s=o.start_s + start_s) for o in sensors.gnss.outages)
+    return replace(sensors, gnss=replace(sensors.gnss, outages=outages))
 
 
 ERRORS = ("_sd", "noise", "instability", "jitter", "latency", "vibration")

@@ -7,12 +7,12 @@ import numpy as np
 from estimators.odometry import odometry
 from estimators.odometry.lens import Lens
 from tests.sensors.trajectories import drive
-from twin.camera import sensor
-from twin.camera.sensor import Camera
 from twin.machine.trajectory import Trajectory
+from twin.sensors import camera
+from twin.sensors.camera import Camera
 
 CAMERA = replace(Camera(), mount_yaw_sd_rad=0.0, mount_tilt_sd_rad=0.0)
-LENS = Lens.of(sensor.setup(CAMERA))
+LENS = Lens.of(camera.setup(CAMERA))
 
 
 def rendered(duration_s, speed_mps, spin_radps=0.0, config=CAMERA, seed=1):
@@ -20,7 +20,7 @@ def rendered(duration_s, speed_mps, spin_radps=0.0, config=CAMERA, seed=1):
     path = drive(duration_s, speed_mps, spin_radps)
     columns = dict(path.columns)
     columns["position_w"] = columns["position_w"] + [0.0, 0.0, 0.2]
-    return sensor.stream(config, seed, Trajectory(path.epoch_ns, columns))
+    return camera.stream(config, seed, Trajectory(path.epoch_ns, columns))
 
 
 def motions(streams, spin_radps=0.0, method="phase-ecc", replaced=None, gyros=True):

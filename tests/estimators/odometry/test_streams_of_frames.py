@@ -9,13 +9,13 @@ from drives import CAMERA, rendered
 
 from estimators.odometry import streams as visual
 from estimators.odometry.lens import Reason
-from twin.camera import sensor
+from twin.sensors import camera
 from twin.streams import Setup, Streams
 
 SPIN = 0.2
 SETUP = Setup(
     machine="", wheelbase_m=1, track_front_m=1, track_rear_m=1, cg_x_m=0.4,
-    camera=sensor.setup(CAMERA),
+    camera=camera.setup(CAMERA),
 )  # fmt: skip
 
 

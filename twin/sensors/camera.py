@@ -1,20 +1,23 @@
-"""The camera as a sensor: when it takes frames, from where, and when they arrive."""
+"""A camera that looks down: when it takes frames, from where, and when they arrive.
+
+The ground it sees is the plane through the world's origin that the trajectory's `ground_normal_w`
+is normal to, level where there is none.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import radians
+from math import atan2, radians
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
 from twin.camera.frames import DrawnFrames, Film
 from twin.camera.image import Sensitivity
 from twin.camera.pinhole import CAMERA_DOWN, Array, Pinhole, View, focal_px, matrix, rotation
 from twin.camera.renderer import Renderer
-from twin.errors import check_range
+from twin.errors import OutOfRange, UnknownName, check_range
 from twin.sensors.checks import check_fields
 from twin.sensors.noise import generator
 from twin.sensors.sampling import Reader, arrivals, read, reader
@@ -23,9 +26,12 @@ from twin.streams import CameraSetup, Streams, Table
 if TYPE_CHECKING:
     from twin.machine.trajectory import Trajectory
 
+NORMAL = "ground_normal_w"
 POSE = ("position_w", "world_from_body", "velocity_w", "gyro_b")
-"""What a frame is drawn from; part of no stream."""
+"""What a frame is drawn from, beside the ground's normal; part of no stream."""
 CONTRACT = ("epoch_ns", "arrival_ns", "frame")
+ODOMETRY = ("phase-ecc", "orb-similarity", "orb-printed", "none")
+"""What may turn the frames into velocities on board."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +44,8 @@ class Camera:
     """Across the direction of travel, px."""
     height_px: int = 800
     """Along it, px."""
+    binning: int = 1
+    """The sensor's pixels are averaged so many by so many, and frames are that much smaller."""
     field_of_view_deg: float = 53.0
     """Horizontal field of view, deg; 28 to 53 through the lens's zoom."""
     position_m: tuple[float, float, float] = (0.4, 0.0, 0.3)
@@ -64,6 +72,11 @@ class Camera:
     """sd of the true mounting's yaw, drawn once, rad."""
     mount_tilt_sd_rad: float = radians(0.3)
     """sd of its roll and of its pitch, drawn once, rad."""
+    odometry: str = "phase-ecc"
+    """What turns frames into velocities on board: phase-ecc, orb-similarity, orb-printed; with none
+    the estimators are given the frames themselves."""
+    processing_s: float = 0.015
+    """From a frame's arrival to its velocity's, s."""
 
     def __post_init__(self) -> None:
         check_fields(
@@ -73,6 +86,7 @@ class Camera:
                 "rate_hz": (1, 500),
                 "width_px": (32, 4096),
                 "height_px": (32, 4096),
+                "binning": (1, 16),
                 "field_of_view_deg": (5, 90),
                 "height_m": (0.05, 5),
                 "exposure_s": (0, 0.1),
@@ -85,21 +99,33 @@ class Camera:
                 "loss_chance": (0, 1),
                 "mount_yaw_sd_rad": (0, 0.2),
                 "mount_tilt_sd_rad": (0, 0.1),
+                "processing_s": (0, 1),
             },
         )
+        if self.odometry not in ODOMETRY:
+            raise UnknownName("odometry", self.odometry, ODOMETRY)
+        shortest_px = min(self.width_px, self.height_px) // self.binning
+        if shortest_px < 32:
+            smaller = min(self.width_px, self.height_px) // 32
+            raise OutOfRange(
+                "camera.binning", self.binning, f"1 to {smaller}, for 32 pixels to stay"
+            )
         check_range("camera.exposure_s", self.exposure_s, 0.0, 1.0 / self.rate_hz)
 
     @property
     def lens(self) -> Pinhole:
-        """The pinhole it is."""
-        focal = focal_px(self.width_px, radians(self.field_of_view_deg))
-        return Pinhole(width_px=self.width_px, height_px=self.height_px, focal_px=focal)
+        """The pinhole it is, in pixels of its frames."""
+        width, height = self.width_px // self.binning, self.height_px // self.binning
+        focal = focal_px(width, radians(self.field_of_view_deg))
+        return Pinhole(width_px=width, height_px=height, focal_px=focal)
 
 
 @dataclass(frozen=True, kw_only=True)
 class CameraState:
-    """Where the camera stands."""
+    """Where the camera stands, and what draws its frames."""
 
+    seed: int
+    film: Film
     reader: Reader
     arrival_ns: int
     frame: int
@@ -109,8 +135,10 @@ class CameraState:
 
 
 def init(config: Camera, seed: int, start_ns: int) -> CameraState:
-    """The camera at the start of a run."""
+    """The camera at the start of a run; one film, so one window of ground, serves all of it."""
     return CameraState(
+        seed=seed,
+        film=film(config, seed),
         reader=reader(start_ns, config.rate_hz),
         arrival_ns=start_ns,
         frame=0,
@@ -125,7 +153,8 @@ def sample(config: Camera, state: CameraState, chunk: Trajectory) -> tuple[Camer
     The epoch is the middle of the exposure. `drawn` makes frames of the poses, `stream_table`
     leaves what an estimator may see.
     """
-    position, epoch_ns, at = read(state.reader, chunk, POSE)
+    names = (*POSE, NORMAL) if NORMAL in chunk.columns else POSE
+    position, epoch_ns, at = read(state.reader, chunk, names)
     count = len(epoch_ns)
     scatter = np.abs(state.latency.standard_normal(count))
     kept = state.loss.random(count) >= config.loss_chance
@@ -147,21 +176,15 @@ def film(config: Camera, seed: int, drawn_by: Renderer | None = None) -> Film:
     pixel = Sensitivity(
         exposure_s=config.exposure_s,
         gain=config.gain,
-        full_well_e=config.full_well_e,
-        read_noise_e=config.read_noise_e,
+        full_well_e=config.full_well_e * config.binning**2,
+        read_noise_e=config.read_noise_e * config.binning,
         vignetting=config.vignetting,
     )
     lens, height_m = config.lens, config.height_m
     return Film(lens=lens, pixel=pixel, seed=seed, height_m=height_m, drawn_by=drawn_by)
 
 
-def drawn(
-    config: Camera,
-    seed: int,
-    film: Film,
-    table: Table,
-    world_from_ground: Array | None = None,
-) -> DrawnFrames:
+def drawn(config: Camera, seed: int, film: Film, table: Table) -> DrawnFrames:
     """The frames of a table of `sample`, drawn when they are asked for.
 
     Args:
@@ -169,12 +192,11 @@ def drawn(
         seed: of the run, which draws the mounting.
         film: what draws them.
         table: with the true poses.
-        world_from_ground: rotation of the ground plane through the world's origin; level without.
     """
-    turn = np.eye(3) if world_from_ground is None else world_from_ground
     mounted = body_from_camera(config, seed)
+    names = [name for name in (*POSE, NORMAL) if name in table]
     views = {
-        int(number): _view(config, mounted, turn, {name: table[name][row] for name in POSE})
+        int(number): _view(config, mounted, {name: table[name][row] for name in names})
         for row, number in enumerate(table["frame"])
     }
     return DrawnFrames(film, views)
@@ -189,39 +211,46 @@ def body_from_camera(config: Camera, seed: int) -> Array:
     return mounted
 
 
-def _view(config: Camera, mounted: Array, world_from_ground: Array, at: Table) -> View:
+def ground_from_world(normal_w: Array) -> Array:
+    """The shortest rotation that takes a normal to z. Shape (3, 3)."""
+    axis = np.cross(normal_w, [0.0, 0.0, 1.0])
+    sine = float(np.linalg.norm(axis))
+    if sine < 1e-12:
+        return np.eye(3)
+    return rotation(axis * (atan2(sine, normal_w[2]) / sine))
+
+
+def _view(config: Camera, mounted: Array, at: Table) -> View:
+    turn = ground_from_world(at[NORMAL]) if NORMAL in at else np.eye(3)
     world_from_body = matrix(at["world_from_body"])
     arm_w = world_from_body @ np.array(config.position_m)
     spin_w = world_from_body @ at["gyro_b"]
-    ground_from_world = world_from_ground.T
     return View(
-        position_m=ground_from_world @ (at["position_w"] + arm_w),
-        ground_from_camera=ground_from_world @ world_from_body @ mounted,
-        velocity_mps=ground_from_world @ (at["velocity_w"] + np.cross(spin_w, arm_w)),
-        spin_radps=ground_from_world @ spin_w,
+        position_m=turn @ (at["position_w"] + arm_w),
+        ground_from_camera=turn @ world_from_body @ mounted,
+        velocity_mps=turn @ (at["velocity_w"] + np.cross(spin_w, arm_w)),
+        spin_radps=turn @ spin_w,
         exposure_s=config.exposure_s,
     )
 
 
-def stream(
-    config: Camera,
-    seed: int,
-    trajectory: Trajectory,
-    world_from_ground: NDArray[np.float64] | None = None,
-) -> Streams:
+def frames(config: Camera, state: CameraState, table: Table) -> DrawnFrames:
+    """The frames of a table of `sample`, on the state's own film."""
+    return drawn(config, state.seed, state.film, table)
+
+
+def stream(config: Camera, seed: int, trajectory: Trajectory) -> Streams:
     """The camera's stream of a whole trajectory, its frames drawn when they are asked for."""
-    state = init(config, seed, int(trajectory.epoch_ns[0]))
-    _, table = sample(config, state, trajectory)
-    frames = drawn(config, seed, film(config, seed), table, world_from_ground)
-    return Streams({"camera": stream_table(table)}, frames)
+    state, table = sample(config, init(config, seed, int(trajectory.epoch_ns[0])), trajectory)
+    return Streams({"camera": stream_table(table)}, frames(config, state, table))
 
 
 def setup(config: Camera) -> CameraSetup:
     """What an estimator is told of the camera: nominal values alone."""
     return CameraSetup(
         rate_hz=config.rate_hz,
-        width_px=config.width_px,
-        height_px=config.height_px,
+        width_px=config.lens.width_px,
+        height_px=config.lens.height_px,
         focal_px=config.lens.focal_px,
         lever_arm_m=config.position_m,
         height_m=config.height_m,

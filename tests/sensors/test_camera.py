@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from tests.sensors.trajectories import collect, drive, pieces, same
-from twin.camera import sensor
 from twin.camera.frames import SavedFrames, save
 from twin.camera.pinhole import rotation
-from twin.camera.sensor import Camera, body_from_camera, drawn, film, stream
 from twin.errors import BadInput, OutOfRange
 from twin.machine.trajectory import Trajectory
+from twin.sensors import camera
+from twin.sensors.camera import Camera, body_from_camera, drawn, film, stream
 from twin.streams import Streams, check, concatenate
 
 SMALL = Camera(width_px=160, height_px=100)
@@ -24,12 +24,12 @@ def raised(trajectory, up_m=0.2):
 
 def test_chunks_change_no_bit():
     drive_all = raised(drive(2.0, yaw_rate_radps=0.2))
-    whole = collect(sensor, SMALL, [drive_all])
-    assert same(whole, collect(sensor, SMALL, pieces(drive_all, 37)))
+    whole = collect(camera, SMALL, [drive_all])
+    assert same(whole, collect(camera, SMALL, pieces(drive_all, 37)))
 
 
 def test_thirty_frames_a_second_off_the_physics_grid():
-    table = collect(sensor, SMALL, [raised(drive(2.0, speed_mps=1.5, yaw_rad=0.0))])
+    table = collect(camera, SMALL, [raised(drive(2.0, speed_mps=1.5, yaw_rad=0.0))])
     np.testing.assert_array_equal(table["frame"], np.arange(61))
     np.testing.assert_allclose(table["epoch_ns"] * 1e-9, np.arange(61) / 30, atol=1e-9)
     np.testing.assert_allclose(table["position_w"][:, 0], 1.5 * np.arange(61) / 30, atol=1e-8)
@@ -51,15 +51,14 @@ def test_the_stream_holds_no_pose_and_the_same_frames_whenever_they_are_asked_fo
 
 def test_lost_frames_leave_gaps_in_the_numbers():
     lossy = replace(SMALL, loss_chance=0.3)
-    numbers = collect(sensor, lossy, [raised(drive(10.0))])["frame"]
+    numbers = collect(camera, lossy, [raised(drive(10.0))])["frame"]
     assert 0.6 * 301 < len(numbers) < 0.8 * 301
     assert np.all(np.diff(numbers) >= 1)
 
 
-def view_of(config, trajectory, row, world_from_ground=None):
-    table = collect(sensor, config, [trajectory])
-    views = drawn(config, 1, film(config, 1), table, world_from_ground)._views
-    return views[row]
+def view_of(config, trajectory, row):
+    table = collect(camera, config, [trajectory])
+    return drawn(config, 1, film(config, 1), table)._views[row]
 
 
 def test_the_camera_hangs_where_the_body_carries_it():
@@ -77,7 +76,8 @@ def test_on_a_slope_it_looks_square_at_the_ground():
     level = drive(0.2, yaw_rad=0.0, roll_rad=roll)
     columns = dict(level.columns)
     columns["position_w"] = columns["position_w"] + slope @ [0.0, 0.0, 0.2]
-    seen = view_of(TRUE, Trajectory(level.epoch_ns, columns), 0, slope)
+    columns["ground_normal_w"] = np.tile(slope[:, 2], (len(level), 1))
+    seen = view_of(TRUE, Trajectory(level.epoch_ns, columns), 0)
     assert seen.position_m[2] == pytest.approx(0.5)
     np.testing.assert_allclose(seen.ground_from_camera[:, 2], [0, 0, -1], atol=1e-12)
 
@@ -88,7 +88,7 @@ def test_the_mounting_is_drawn_once_per_seed_and_told_to_nobody():
     ]
     assert np.std(drawn_yaw) == pytest.approx(SMALL.mount_yaw_sd_rad, rel=0.15)
     np.testing.assert_array_equal(body_from_camera(SMALL, 7), body_from_camera(SMALL, 7))
-    assert sensor.setup(SMALL) == sensor.setup(TRUE)
+    assert camera.setup(SMALL) == camera.setup(TRUE)
 
 
 def test_frames_are_saved_and_read_again(tmp_path):

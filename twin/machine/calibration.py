@@ -1,0 +1,134 @@
+"""The drive before a run from which an estimator may learn its offsets: level, out and back.
+
+The legs and the run are one recording, paused while the machine is turned round and carried over:
+in a pause the clocks of the sensors go on, and what they see is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.machine.build import Machine, build
+from twin.machine.simulate import simulate
+from twin.machine.trajectory import Trajectory
+from twin.scenario import Course, Scenario
+from twin.streams import Streams
+
+PAUSE_S = 6.0
+"""Length of a pause [s]: longer than what any estimator here takes for the same drive."""
+
+
+def legs(scenario: Scenario) -> tuple[Scenario, ...]:
+    """Out and back along a line on level ground of the same soil, the plough left behind."""
+    course = scenario.course
+    if course.calibration_m <= 0.0:
+        return ()
+    level = replace(scenario.field, cross_slope_deg=0.0, grade_deg=0.0, patches=())
+    return tuple(
+        replace(
+            scenario,
+            field=level,
+            plough=None,
+            course=Course(approach_m=0.0, length_m=course.calibration_m, heading_deg=heading_deg),
+        )
+        for heading_deg in (0.0, 180.0)
+    )
+
+
+@dataclass(frozen=True)
+class Recording:
+    """The calibration's trajectory up to where the run begins."""
+
+    chunks: tuple[Trajectory, ...] = ()
+    """Contiguous, pauses included."""
+    pauses_ns: tuple[tuple[int, int], ...] = ()
+    """First epoch in each pause, and first after it."""
+    start_ns: int = 0
+    """Epoch of the run's first row."""
+    wheel_angle_rad: NDArray[np.float64] | None = None
+    """Where the wheels stand then, beside where the run has them, shape (4,)."""
+
+    def shifted(self, chunk: Trajectory) -> Trajectory:
+        """A chunk of the run at its place in the recording."""
+        return _shifted(chunk, self.start_ns, self.wheel_angle_rad)
+
+    def recorded(self, streams: Streams) -> Streams:
+        """The samples that describe no instant of a pause."""
+        if not self.pauses_ns:
+            return streams
+        tables = {}
+        for name, table in streams.tables.items():
+            epoch_ns = table["epoch_ns"]
+            kept = np.ones(len(epoch_ns), bool)
+            for first_ns, end_ns in self.pauses_ns:
+                kept &= (epoch_ns < first_ns) | (epoch_ns >= end_ns)
+            tables[name] = {column: values[kept] for column, values in table.items()}
+        return Streams(tables, streams.frames)
+
+
+def record(machine: Machine, first: Trajectory) -> Recording:
+    """The calibration of a machine's scenario, before the run whose first chunk is given."""
+    drives = [list(simulate(build(leg))) for leg in legs(machine.scenario)]
+    found = Recording()
+    for number, chunks in enumerate(drives):
+        moved = [found.shifted(chunk) for chunk in chunks]
+        after = drives[number + 1][0] if number + 1 < len(drives) else first
+        found = _paused(found, moved, after)
+    return found
+
+
+def _paused(before: Recording, moved: Sequence[Trajectory], after: Trajectory) -> Recording:
+    """The recording with another leg and the pause behind it."""
+    last = moved[-1]
+    step_ns = int(last.epoch_ns[1] - last.epoch_ns[0])
+    count = round(PAUSE_S * 1e9) // step_ns
+    first_ns = int(last.epoch_ns[-1]) + step_ns
+    end_ns = first_ns + count * step_ns
+    angle = last["wheel_angle_rad"][-1] - after["wheel_angle_rad"][0]
+    held = _held(last, after, angle, first_ns + step_ns * np.arange(count, dtype=np.int64))
+    pauses = (*before.pauses_ns, (first_ns, end_ns))
+    return Recording((*before.chunks, *moved, held), pauses, end_ns, angle)
+
+
+def _held(
+    last: Trajectory, after: Trajectory, angle: NDArray[np.float64], epoch_ns: NDArray[np.int64]
+) -> Trajectory:
+    """The last row of a leg, then the first of the next, which lets the filters settle on it."""
+    half = len(epoch_ns) // 2
+    sides = (last.cut(len(last) - 1, len(last)), _shifted(after.cut(0, 1), 0, angle))
+    columns = {
+        name: np.concatenate(
+            [np.repeat(sides[0][name], half, 0), np.repeat(sides[1][name], len(epoch_ns) - half, 0)]
+        )
+        for name in last.columns
+    }
+    return Trajectory(epoch_ns, columns)
+
+
+def _shifted(
+    chunk: Trajectory, by_ns: int, wheel_angle_rad: NDArray[np.float64] | None
+) -> Trajectory:
+    columns = dict(chunk.columns)
+    if wheel_angle_rad is not None:
+        columns["wheel_angle_rad"] = columns["wheel_angle_rad"] + wheel_angle_rad
+    return Trajectory(chunk.epoch_ns + by_ns, columns)
+
+
+def run_chunks(machine: Machine) -> tuple[Recording, Iterator[Trajectory]]:
+    """The calibration before a run, and the run's own chunks at their place in the recording."""
+    chunks = simulate(machine)
+    if not legs(machine.scenario):
+        return Recording(), chunks
+    first = next(chunks)
+    found = record(machine, first)
+
+    def own() -> Iterator[Trajectory]:
+        yield found.shifted(first)
+        for chunk in chunks:
+            yield found.shifted(chunk)
+
+    return found, own()
