@@ -47,7 +47,9 @@ def stub(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Any]:
     """A registry of one scenario, a run that costs nothing, an empty working directory."""
     driven: list[Any] = []
 
-    def drive(scenario: Any, *, estimators: Any, progress: Callable[[float], None]) -> Any:
+    def drive(
+        scenario: Any, *, estimators: Any, progress: Callable[[float], None], frames: Path | None
+    ) -> Any:
         driven.append(scenario)
         progress(1.0)
         record = synthetic_run(scenario=scenario, duration_s=12.0)

@@ -74,7 +74,7 @@ RANGES = {
     Course: {
         "approach_m": (0.0, 20.0), "length_m": (1.0, 5000.0), "heading_deg": (-180.0, 180.0),
         "start_left_m": (-50.0, 50.0), "hold_line": FLAG, "edge_m": None,
-        "passes": (1, 100),
+        "passes": (1, 100), "calibration_m": None,
     },
     Scenario: {
         "machine": tuple(MACHINES), "soil": Soil, "field": Field, "plough": Plough,

@@ -45,6 +45,7 @@ LIMITS = [
     (Course, "course.start_left_m", -50.0, 50.0),
     (Course, "course.edge_m", 0.5, 100.0),
     (Course, "course.length_m", 1.0, 5000.0),
+    (Course, "course.calibration_m", 5.0, 500.0),
     (Course, "course.heading_deg", -180.0, 180.0),
     (Soil, "soil.k_c_kn_per_m_n1", 0.0, 1000.0),
     (Soil, "soil.k_phi_kn_per_m_n2", 10.0, 1e5),

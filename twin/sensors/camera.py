@@ -13,17 +13,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.random import Generator
 
-from twin.camera.frames import DrawnFrames, Film
-from twin.camera.image import Sensitivity
 from twin.camera.pinhole import CAMERA_DOWN, Array, Pinhole, View, focal_px, matrix, rotation
-from twin.camera.renderer import Renderer
 from twin.errors import OutOfRange, UnknownName, check_range
 from twin.sensors.checks import check_fields
 from twin.sensors.noise import generator
 from twin.sensors.sampling import Reader, arrivals, read, reader
 from twin.streams import CameraSetup, Streams, Table
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # what draws is heavy, and only there where a camera is fitted
+    from twin.camera.frames import DrawnFrames, Film
+    from twin.camera.renderer import Renderer
     from twin.machine.trajectory import Trajectory
 
 NORMAL = "ground_normal_w"
@@ -173,6 +172,9 @@ def stream_table(table: Table) -> Table:
 
 def film(config: Camera, seed: int, drawn_by: Renderer | None = None) -> Film:
     """What draws this camera's frames over the ground of a seed; one serves a whole run."""
+    from twin.camera.frames import Film
+    from twin.camera.image import Sensitivity
+
     pixel = Sensitivity(
         exposure_s=config.exposure_s,
         gain=config.gain,
@@ -193,6 +195,8 @@ def drawn(config: Camera, seed: int, film: Film, table: Table) -> DrawnFrames:
         film: what draws them.
         table: with the true poses.
     """
+    from twin.camera.frames import DrawnFrames
+
     mounted = body_from_camera(config, seed)
     names = [name for name in (*POSE, NORMAL) if name in table]
     views = {
