@@ -25,4 +25,6 @@ REGISTRY: dict[str, str] = {
         for surface in ("asphalt", "gravel", "grass")
         for kmh in (5, 7, 10, 20)
     },
+    "ima-pkf": "scenarios.ima_pkf:CLEAN",
+    "ima-pkf-disturbed": "scenarios.ima_pkf:DISTURBED",
 }

@@ -6,35 +6,28 @@ a trial. Its tracks are not; these are three kinds that a ploughing tractor migh
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.random import Generator
 from numpy.typing import NDArray
+
+from scenarios.ima_pkf_signals import RATE_HZ, SD, SETUP, Signals, streams, truth
+from scenarios.ima_pkf_tracks import DURATION_S, Track, disturbances, slope, track
+from twin.streams import Setup, Streams, Table
 
 Array = NDArray[np.float64]
 
-RATE_HZ, DURATION_S = 50.0, 30.0
-SD = {"front": 0.10, "gnss": 0.13, "rear": 0.11, "accel": 0.06, "rear_accel": 0.06}
-"""Noise of each signal as R1 and R2 print it [m/s, m/s2]."""
 SHARE = 0.05
 """"a standard deviation equal to 5 % of the signal amplitude"."""
-CENTRES_S, CENTRE_SD_S = (6.0, 10.0, 15.0, 20.0, 25.0), 0.5
-"""Means of the disturbances' times; their spread is not printed."""
-AMPLITUDE_MPS, FREQUENCY_HZ, LENGTH_S = (0.4, 0.8), (4.5, 5.5), 0.2
-RIPPLE_HZ = {"smooth": (), "medium": (0.7, 1.2), "rough": (0.7, 1.2, 1.9, 2.5)}
-BURSTS, BURST_RISE_S = 8, 0.15
-"""Bursts of slip on a rough track."""
-
-Track = Literal["smooth", "medium", "rough"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Trial:
     """One run of the simulation."""
 
+    name: str = "ima-pkf"
+    about: str = "signals of the IMA-PKF paper's simulation, no vehicle: 30 s at 50 Hz"
     seed: int = 0
     track: Track = "medium"
     """Sines below 0.25 Hz; with ripple to 1.2 Hz; with ripple to 2.5 Hz and bursts of slip."""
@@ -50,24 +43,18 @@ class Trial:
     accel_bias_sd_mps2: float = 0.0
     """sd of the accelerometers' biases; 0.1 m/s2 is 0.6 degrees of pitch."""
 
+    def measure(self) -> tuple[Setup, Streams, Table]:
+        """What the estimators are told, what they see, and the truth."""
+        signals = simulate(self)
+        return SETUP, streams(signals), truth(signals)
 
-@dataclass(frozen=True, kw_only=True)
-class Signals:
-    """Truth and measurements of a trial, all at the same epochs; arrays of shape (1500,)."""
 
-    time_s: Array
-    ground_mps: Array
-    """True ground speed v_e."""
-    wheel_mps: Array
-    """True theoretical speed of the driven wheels v_q."""
-    slip: Array
-    """(v_q - v_e) / max(v_q, v_e)."""
-    front_mps: Array
-    gnss_mps: Array
-    rear_mps: Array
-    accel_mps2: Array
-    rear_accel_mps2: Array
-    """NaN without a wheel accelerometer."""
+CLEAN = Trial()
+DISTURBED = Trial(
+    name="ima-pkf-disturbed",
+    about="the same with five half-sine disturbances of the GNSS speed",
+    disturbance="lobe",
+)
 
 
 def simulate(trial: Trial) -> Signals:
@@ -75,8 +62,8 @@ def simulate(trial: Trial) -> Signals:
     roots = np.random.SeedSequence(trial.seed).spawn(4)
     track_rng, disturbance_rng, noise_rng, bias_rng = (np.random.default_rng(r) for r in roots)
     time = np.arange(1, round(DURATION_S * RATE_HZ) + 1) / RATE_HZ
-    wheel, slip = _track(trial.track, track_rng)
-    pulses = _disturbances(trial.disturbance, disturbance_rng)
+    wheel, slip = track(trial.track, track_rng)
+    pulses = disturbances(trial.disturbance, disturbance_rng)
 
     def ground(t: Array) -> Array:
         moved = pulses(t) if trial.disturbed == "truth" else 0.0
@@ -89,7 +76,7 @@ def simulate(trial: Trial) -> Signals:
     bias, wheel_bias = trial.accel_bias_sd_mps2 * bias_rng.standard_normal(2)
     noise = {name: noise_rng.standard_normal(time.shape) for name in SD}
     sd = {name: _sd(trial, name, w if name == "rear" else v) for name in SD}
-    rear_accel = _slope(wheel, time) + wheel_bias + sd["rear_accel"] * noise["rear_accel"]
+    rear_accel = slope(wheel, time) + wheel_bias + sd["rear_accel"] * noise["rear_accel"]
     return Signals(
         time_s=time,
         ground_mps=v,
@@ -98,7 +85,7 @@ def simulate(trial: Trial) -> Signals:
         front_mps=v + off["front"] + sd["front"] * noise["front"],
         gnss_mps=v + off["gnss"] + sd["gnss"] * noise["gnss"],
         rear_mps=w + sd["rear"] * noise["rear"],
-        accel_mps2=_slope(ground, time) + bias + sd["accel"] * noise["accel"],
+        accel_mps2=slope(ground, time) + bias + sd["accel"] * noise["accel"],
         rear_accel_mps2=rear_accel if trial.wheel_accel else np.full_like(time, np.nan),
     )
 
@@ -107,54 +94,3 @@ def _sd(trial: Trial, name: str, speed_mps: Array) -> Array:
     printed = np.full_like(speed_mps, SD[name])
     proportional = trial.noise == "proportional" and not name.endswith("accel")
     return SHARE * speed_mps if proportional else printed
-
-
-def _track(
-    kind: Track, rng: Generator
-) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
-    """Wheel speed 1.3-2.9 m/s and slip .06-.29 as functions of time."""
-    phase = rng.uniform(0.0, 2.0 * np.pi, 4)
-    ripples = [(hz, *rng.uniform(0.0, 2.0 * np.pi, 2)) for hz in RIPPLE_HZ[kind]]
-    at = np.sort(rng.uniform(2.0, DURATION_S - 2.0, BURSTS)) if kind == "rough" else np.empty(0)
-
-    def wheel(t: Array) -> Array:
-        slow = 0.45 * np.sin(0.5 * t + phase[0]) + 0.2 * np.sin(1.4 * t + phase[1])
-        ripple = sum(0.05 / hz * np.sin(2 * np.pi * hz * t + a) for hz, a, _ in ripples)
-        return np.asarray(2.1 + slow + ripple)
-
-    def slip(t: Array) -> Array:
-        slow = 0.07 * np.sin(0.6 * t + phase[2]) + 0.03 * np.sin(1.3 * t + phase[3])
-        ripple = sum(0.01 / hz * np.sin(2 * np.pi * hz * t + b) for hz, _, b in ripples)
-        bursts = sum(0.04 * np.exp(-0.5 * ((t - when) / BURST_RISE_S) ** 2) for when in at)
-        return np.asarray(0.175 + slow + ripple + bursts)
-
-    return wheel, slip
-
-
-def _disturbances(kind: str, rng: Generator) -> Callable[[Array], Array]:
-    """Sum of the trial's five pulses as a function of time [m/s].
-
-    lobe:   A sin(pi f tau),  0 <= tau < 1/f    one half-sine, 0.18-0.22 s long
-    cycle:  A sin(2 pi f tau),  0 <= tau < 0.2 s
-    """
-    starts = rng.normal(CENTRES_S, CENTRE_SD_S)
-    amplitudes = rng.uniform(*AMPLITUDE_MPS, len(starts)) * rng.choice((-1.0, 1.0), len(starts))
-    frequencies = rng.uniform(*FREQUENCY_HZ, len(starts))
-
-    def pulses(t: Array) -> Array:
-        total = np.zeros_like(t)
-        for start, amplitude, hz in zip(starts, amplitudes, frequencies, strict=True):
-            tau = t - start
-            if kind == "lobe":
-                wave, length = np.sin(np.pi * hz * tau), 1.0 / hz
-            else:
-                wave, length = np.sin(2.0 * np.pi * hz * tau), LENGTH_S
-            total += amplitude * wave * ((tau >= 0.0) & (tau < length))
-        return total if kind != "none" else np.zeros_like(t)
-
-    return pulses
-
-
-def _slope(f: Callable[[Array], Array], t: Array) -> Array:
-    """Derivative by central differences [1/s of f]."""
-    return np.asarray((f(t + 1e-4) - f(t - 1e-4)) / 2e-4)

@@ -18,6 +18,7 @@ import pytest
 import estimators
 import scenarios
 import twin
+from scenarios.ima_pkf import Trial
 from twin import registry
 from twin.machine.files import model_path
 from twin.scenario import MACHINES, Scenario
@@ -49,7 +50,7 @@ def test_every_package_is_typed(package: Any) -> None:
 @pytest.mark.parametrize("name", scenarios.REGISTRY)
 def test_every_registered_scenario_loads_under_its_name(name: str) -> None:
     scenario = registry.load("scenario", name)
-    assert isinstance(scenario, Scenario)
+    assert isinstance(scenario, (Scenario, Trial))
     assert scenario.name == name
 
 

@@ -20,6 +20,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "estimate": ("twin.commands.estimate", "LOG: run the estimators on a recorded drive"),
     "reproduce": ("twin.commands.reproduce", "PAPER: published figures and ours side by side"),
     "validate": ("twin.commands.validate", "check against mechanics, print and field data"),
+    "study": ("twin.commands.study", "SCENARIOS: many seeds and settings, means with intervals"),
     "rig": ("twin.commands.rig", "wheel | drawbar | slope | park: a test rig, its CSV and figure"),
     "compare-controllers": (
         "twin.commands.compare_controllers",

@@ -36,11 +36,26 @@ class Estimator(Protocol):
         """New state, and what is estimated from the chunk."""
 
 
+class Measured(Protocol):
+    """A scenario of signals without a machine: it gives measurements and truth itself."""
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+
+    @property
+    def seed(self) -> int:
+        """Of all its chance."""
+
+    def measure(self) -> tuple[Setup, Streams, Table]:
+        """What the estimators are told, what they see, and the truth."""
+
+
 @dataclass(frozen=True)
 class Run:
     """What a run produced."""
 
-    scenario: Scenario
+    scenario: Scenario | Measured
     setup: Setup
     streams: Streams
     truth: Table
@@ -53,7 +68,7 @@ class Run:
 
 
 def run(
-    scenario: Scenario,
+    scenario: Scenario | Measured,
     *,
     estimators: Mapping[str, Estimator],
     progress: Callable[[float], None] | None = None,
@@ -71,17 +86,22 @@ def run(
         Diverged: the simulation left the finite numbers; its evidence repeats the last second.
     """
     start = time.perf_counter()
-    machine = build(scenario)
-    nominal = geometry(machine)
-    setup = sensors.setup(scenario.sensors, nominal)
-    streams, true = sense(machine, nominal.driven, progress or _silent, frames)
-    ended, start_ns = _ended(machine, true), int(true["epoch_ns"][0])
+    ended, said = "course driven", tuple[str, ...]()
+    if isinstance(scenario, Scenario):
+        machine = build(scenario)
+        nominal = geometry(machine)
+        setup = sensors.setup(scenario.sensors, nominal)
+        streams, true = sense(machine, nominal.driven, progress or _silent, frames)
+        ended, said = _ended(machine, true), notes(machine)
+    else:
+        setup, streams, true = scenario.measure()
+    start_ns = int(true["epoch_ns"][0])
     estimates = {
         name: _of_the_run(estimator.run(estimator.init(setup), streams)[1], start_ns)
         for name, estimator in estimators.items()
     }
     wall_s = time.perf_counter() - start
-    return Run(scenario, setup, streams, true, estimates, wall_s, ended, notes(machine))
+    return Run(scenario, setup, streams, true, estimates, wall_s, ended, said)
 
 
 def _silent(fraction: float) -> None:

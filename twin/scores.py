@@ -46,6 +46,17 @@ def window_s(truth: Table, *, settle_s: float = SETTLE_S) -> tuple[float, float]
     return float(min(start, time[-1])), float(time[-1])
 
 
+def scored_window_s(truth: Table, scenario: Any) -> tuple[float, float]:
+    """`window_s`, or all of a short run.
+
+    On a platform the run is short and its totals count from its start; signals without a machine
+    have no standstill to start from.
+    """
+    course = getattr(scenario, "course", None)
+    short = course is None or course.edge_m is not None
+    return window_s(truth, settle_s=0.0) if short else window_s(truth)
+
+
 def _start_of_ploughing_s(truth: Table, time: Array) -> float | None:
     ploughing = truth.get("ploughing")
     if ploughing is None or not np.any(ploughing):

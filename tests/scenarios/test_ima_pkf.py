@@ -8,7 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from scenarios.ima_pkf import CENTRES_S, SD, Trial, simulate
+from scenarios.ima_pkf import Trial, simulate
+from scenarios.ima_pkf_signals import SD
+from scenarios.ima_pkf_tracks import CENTRES_S
 
 TRACKS = ("smooth", "medium", "rough")
 

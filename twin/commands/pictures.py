@@ -13,7 +13,16 @@ def record(run: RunLike, scores: Mapping[str, Any], path: Path) -> None:
     """Write run.rrd. The scores are not drawn."""
     from twin import viz
 
-    viz.record(run, path, model=_model(run.scenario))
+    if hasattr(run.scenario, "machine"):
+        viz.record(run, path, model=_model(run.scenario))
+    else:  # signals without a machine are drawn as a log is
+        viz.log(
+            path,
+            streams=run.streams,
+            setup=run.setup,
+            estimates=run.estimates,
+            reference=run.truth,
+        )
 
 
 def _model(scenario: Any) -> Any:

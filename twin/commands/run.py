@@ -70,14 +70,12 @@ def execute(scenario: Any, options: Options) -> Path:
     shown = not (options.quiet or options.json)
     with progress(scenario.name, shown=shown) as report:
         result = run(scenario, estimators=estimators, progress=report, frames=options.frames)
-    platform = scenario.course.edge_m is not None  # a short run, whose totals count from its start
-    window = scores.window_s(result.truth, settle_s=0.0) if platform else None
     table = scores.score(
         result.truth,
         result.estimates,
         scenario=scenario.name,
         seed=scenario.seed,
-        window=window,
+        window=scores.scored_window_s(result.truth, scenario),
     )
     table["ended"] = result.ended
     table["notes"] = list(result.notes)

@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from scenarios.ima_pkf import RATE_HZ, SD, Trial, simulate
+from scenarios.ima_pkf import Trial, simulate
+from scenarios.ima_pkf_signals import RATE_HZ, SD
 from twin.reproduce.ima_pkf_methods import READINGS, adaptive, beside
 from twin.reproduce.ima_pkf_rows import measured, promises
 from twin.reproduce.ima_pkf_trials import mean_and_interval, study

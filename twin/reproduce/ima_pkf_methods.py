@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from scenarios.ima_pkf import SD
+from scenarios.ima_pkf_signals import SD
 from twin.registry import load
 
 ADAPTIVE = {"PSO-PKF": "pso-pkf", "MA-PKF": "ma-pkf", "IMA-PKF": "ima-pkf"}

@@ -10,61 +10,13 @@ import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
-from scenarios.ima_pkf import RATE_HZ, SD, Signals, Trial, simulate
-from twin.streams import GnssSetup, ImuSetup, Setup, Streams, WheelsSetup
+from scenarios.ima_pkf import Trial, simulate
+from scenarios.ima_pkf_signals import SETUP, streams
 
 Array = NDArray[np.float64]
 
 SETTLED_S = 1.0
 """Errors are told from the start, and from here on beside it."""
-SETUP = Setup(
-    machine="ima-pkf",
-    wheelbase_m=2.55,
-    track_front_m=1.7,
-    track_rear_m=1.7,
-    cg_x_m=0.9,
-    wheels=WheelsSetup(rate_hz=RATE_HZ, radius_m={"fl": 0.6, "fr": 0.6, "rl": 0.8, "rr": 0.8}),
-    gnss=GnssSetup(
-        rate_hz=RATE_HZ,
-        lever_arm_m=(0.0, 0.0, 0.0),
-        position_sd_m=0.01,
-        velocity_sd_mps=SD["gnss"],
-        heading_sd_rad=0.0,
-    ),
-    imu=ImuSetup(
-        rate_hz=RATE_HZ,
-        lever_arm_m=(0.0, 0.0, 0.0),
-        gyro_noise_radps_rthz=0.0,
-        accel_noise_mps2_rthz=SD["accel"] / RATE_HZ**0.5,
-        gyro_bias_sd_radps=0.0,
-        accel_bias_sd_mps2=0.1,
-    ),
-)
-"""What the estimators are told; the paper's simulation has no geometry."""
-
-
-def streams(signals: Signals) -> Streams:
-    """The measurements as the streams of a straight drive to the east."""
-    epoch_ns = np.round(signals.time_s * 1e9).astype(np.int64)
-    stamps = {"epoch_ns": epoch_ns, "arrival_ns": epoch_ns}
-    zero = np.zeros_like(signals.time_s)
-    wheels = stamps | {
-        "speed_fl_mps": signals.front_mps,
-        "speed_fr_mps": signals.front_mps,
-        "speed_rl_mps": signals.rear_mps,
-        "speed_rr_mps": signals.rear_mps,
-        "speed_sd_mps": np.full_like(zero, SD["rear"]),
-        "accel_rl_mps2": signals.rear_accel_mps2,
-        "accel_rr_mps2": signals.rear_accel_mps2,
-    }
-    return Streams(
-        {
-            "gnss": stamps
-            | {"v_east_mps": signals.gnss_mps, "v_north_mps": zero, "heading_rad": zero},
-            "imu": stamps | {"accel_x_mps2": signals.accel_mps2},
-            "wheels": wheels,
-        }
-    )
 
 
 @dataclass(frozen=True, kw_only=True)

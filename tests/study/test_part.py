@@ -1,0 +1,74 @@
+"""One run's rows: its scores, and its errors where it fails."""
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from twin import registry, run, scores
+from twin.study import failed, missing, part, plan, read, work
+
+
+def test_rows_are_the_scores_of_the_run():
+    case, *_ = plan(["ima-pkf-disturbed"], [3], ["ratio", "pkf"], {"track": ("rough",)})
+    ratio, pkf = part.rows(case)
+    done = run.run(case.run, estimators={"pkf": registry.load("estimator", "pkf")})
+    scored = scores.score(done.truth, done.estimates, scenario="", seed=3, window=(0.0, 30.0))
+    assert {pkf["scenario"], pkf["track"], pkf["seed"], pkf["estimator"]} == {
+        "ima-pkf-disturbed", "rough", 3, "pkf",
+    }  # fmt: skip
+    for name in ("rmse", "mae", "max", "bias", "nees_mean"):
+        assert pkf[f"slip.{name}"] == scored["estimators"]["pkf"]["slip"][name]
+    assert pkf["truth.slip_mean"] == ratio["truth.slip_mean"] == scored["truth"]["slip_mean"]
+    assert pkf["slip.rmse"] < ratio["slip.rmse"]
+    assert pkf["error"] is None
+
+
+def test_an_estimator_that_has_chance_of_its_own_takes_the_runs_seed():
+    for seed in (2, 5):
+        case, *_ = plan(["ima-pkf"], [seed], ["study.brought:SEEDED"], {})
+        row, *_ = part.rows(case)
+        assert row["slip.bias"] == pytest.approx(seed - row["truth.slip_mean"])
+
+
+def test_what_fails_is_a_row_with_its_error(tmp_path):
+    cases = plan(["study.brought:ODD"], range(3), ["ratio", "study.brought:Failing"], {})
+    work(cases, tmp_path, jobs=1)
+    rows = read(cases, tmp_path).to_pylist()
+    assert [r["error"] for r in rows] == [
+        None, "RuntimeError: no idea",
+        "ArithmeticError: odd", "ArithmeticError: odd",
+        None, "RuntimeError: no idea",
+    ]  # fmt: skip
+    assert [r["slip.rmse"] is None for r in rows] == [False, True, True, True, False, True]
+    assert [r["seed"] for r in rows] == [0, 0, 1, 1, 2, 2]
+    assert len(failed(cases, tmp_path)) == 3
+    assert missing(cases, tmp_path) == [], "an error is a result: it is not tried again unasked"
+
+
+def test_a_part_appears_whole_or_not_at_all(tmp_path, monkeypatch):
+    case, *_ = plan(["ima-pkf"], [0], ["ratio"], {})
+
+    def torn(table, file, **_):
+        file.write(b"PAR1 half")
+        raise OSError("disk full")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(pq, "write_table", torn)
+        with pytest.raises(OSError, match="disk full"):
+            part.write(case, tmp_path)
+    assert list(tmp_path.iterdir()) == []
+    part.write(case, tmp_path)
+    assert [p.name for p in tmp_path.iterdir()] == [case.part]
+
+
+def test_work_does_what_is_missing_and_nothing_else(tmp_path):
+    cases = plan(["ima-pkf"], range(4), ["ratio"], {})
+    told = []
+    work(cases[1:3], tmp_path, jobs=1)
+    before = {p.name: p.stat().st_mtime_ns for p in tmp_path.iterdir()}
+    work(cases, tmp_path, jobs=1, progress=told.append)
+    after = {p.name: p.stat().st_mtime_ns for p in tmp_path.iterdir()}
+    assert len(after) == 4
+    assert {name: after[name] for name in before} == before
+    assert (told[0], told[-1]) == (0.5, 1.0)
+    assert np.all(np.diff(told) >= 0)

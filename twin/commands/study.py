@@ -1,0 +1,239 @@
+"""`twin study SCENARIOS`: many runs, each kept as it ends, their means with intervals."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import tyro
+
+from twin import registry
+from twin import rows as rows_file
+from twin.commands.parse import parse
+from twin.commands.terminal import console, progress
+from twin.errors import BadInput, check_range
+
+if TYPE_CHECKING:
+    from twin.study.summary import Group
+
+PARTS, TABLE, SUMMARY, PLAN = "parts", "table.parquet", "summary.json", "study.json"
+INTERRUPTED = 130
+SHOWN = {
+    "slip.rmse": ("slip RMSE [%]", 100.0),
+    "slip.mae": ("MAE [%]", 100.0),
+    "slip.max": ("max [%]", 100.0),
+    "slip.bias": ("bias [%]", 100.0),
+    "sideslip_angle_rad.rmse": ("angle RMSE [°]", 57.29577951308232),
+    "sideslip_m.rel_err": ("sideslip error [%]", 100.0),
+}
+"""Quantity -> heading on the terminal, and its scale."""
+DRAWN = {"slip.rmse": "RMSE of slip", "sideslip_angle_rad.rmse": "RMSE of sideslip angle [rad]"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """Run scenarios x sweeps x seeds, every estimator on each run; a killed study goes on."""
+
+    estimators: str = "ratio,four-state"
+    """Names, or module:Name of your own, separated by commas."""
+    seeds: int = 10
+    """How many seeds, the same for every scenario and sweep."""
+    first_seed: int = 0
+    """The first of them."""
+    sweep: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
+    """FIELD=V1,V2,...: a field of the scenarios and the values it takes; may be given several
+    times, for every combination."""
+    out: Path | None = None
+    """Folder of the study; studies/<names> by default."""
+    jobs: int = -1
+    """Processes; -1 for as many as the backend has."""
+    backend: str = "loky"
+    """Where the runs run, as joblib calls it: loky (here), ray, dask."""
+    backend_option: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
+    """NAME=VALUE for the backend; may be given several times."""
+    against: str | None = None
+    """An estimator that the others are compared with, seed by seed."""
+    retry_failed: bool = False
+    """Do the runs again that ended in an error."""
+    quiet: bool = False
+    """Say nothing but errors."""
+    json: Path | None = None
+    """File for the summary's rows, beside the study's own."""
+
+
+def main(args: Sequence[str]) -> int:
+    """Do what is missing of a study, then its table, summary and figures."""
+    names, rest = _split(args)
+    options = parse(Study, rest, prog="twin study SCENARIOS")
+    for text in options.backend_option:
+        if "=" not in text.strip("="):
+            raise BadInput(f"--backend-option {text} is not NAME=VALUE")
+    check_range("seeds", options.seeds, 1, 1_000_000)
+    check_range("first_seed", options.first_seed, 0, 2**31 - options.seeds)
+    if options.jobs == 0:
+        raise BadInput("jobs = 0 would do nothing; 1, or -1 for as many as the backend has")
+    if options.json is not None and not options.json.parent.is_dir():
+        raise BadInput(f"--json {options.json}: there is no directory {options.json.parent}")
+    from twin import study
+
+    estimators = _listed("--estimators", options.estimators)
+    if options.against is not None and options.against not in estimators:
+        raise BadInput(f"--against {options.against} is not among --estimators")
+    sweeps = read_sweeps(options.sweep, registry.load("scenario", names[0]))
+    seeds = range(options.first_seed, options.first_seed + options.seeds)
+    cases = study.plan(names, seeds, estimators, sweeps)
+    folder = options.out or Path("studies") / "+".join(n.replace(":", "-") for n in names)
+    _begin(folder, args)
+    try:
+        with progress(f"{len(cases)} runs", shown=not options.quiet) as told:
+            _work(cases, folder, options, told)
+    except KeyboardInterrupt:
+        left = len(study.missing(cases, folder / PARTS))
+        done = f"{len(cases) - left} of {len(cases)} runs are in {folder}"
+        console(stderr=True).print(f"twin: interrupted; {done}, the same command does the rest")
+        return INTERRUPTED
+    _finish(cases, folder, list(sweeps), options)
+    return 0
+
+
+def read_sweeps(given: Sequence[str], scenario: Any) -> dict[str, tuple[Any, ...]]:
+    """`soil.friction=0.6,0.8` as path and values, read as that field of the scenario is.
+
+    Raises:
+        BadInput: no FIELD=VALUES, a field given twice, or a value the field cannot have.
+        UnknownName: no such field.
+    """
+    from twin.study import fields
+
+    found: dict[str, tuple[Any, ...]] = {}
+    for text in given:
+        left, equals, right = text.partition("=")
+        if not equals or not left.strip() or not right.strip():
+            raise BadInput(f"--sweep {text} is not FIELD=V1,V2,... (soil.friction=0.6,0.8)")
+        path = fields.spelled(left)
+        if path in ("seed", "name", "about"):
+            raise BadInput(f"--sweep {text}: {path} cannot be swept; --seeds takes the seeds")
+        if path in found:
+            raise BadInput(f"--sweep {path} is given twice")
+        kind = fields.kind(scenario, path)
+        found[path] = tuple(_value(path, kind, each) for each in _listed("--sweep", right))
+    return found
+
+
+def _value(path: str, kind: Any, text: str) -> Any:
+    """A value as the command line of `twin run` reads it."""
+    annotation = Annotated[kind, tyro.conf.arg(name=path)]
+    holder = dataclasses.make_dataclass("Swept", [("value", annotation)], frozen=True)
+    read: Any = parse(holder, [f"--{path}", *shlex.split(text)], prog="twin study")
+    return read.value
+
+
+def _listed(option: str, text: str) -> list[str]:
+    values = [each.strip() for each in text.split(",") if each.strip()]
+    if not values:
+        raise BadInput(f"{option} names none")
+    return values
+
+
+def _split(args: Sequence[str]) -> tuple[list[str], Sequence[str]]:
+    if args and args[0] in ("-h", "--help"):
+        parse(Study, ["--help"], prog="twin study SCENARIOS")
+    if not args or args[0].startswith("-"):
+        known = ", ".join(registry.names("scenario"))
+        raise BadInput(f"twin study needs scenarios first, as a,b; there are: {known}")
+    return _listed("twin study", args[0]), args[1:]
+
+
+def _begin(folder: Path, args: Sequence[str]) -> None:
+    """Make the folder, or see that it is a study's, and write down what was asked."""
+    ours = (folder / PLAN).exists() or not folder.exists() or not any(folder.iterdir())
+    if not ours:
+        raise BadInput(f"{folder} exists and is not a study's folder; choose another --out")
+    try:
+        (folder / PARTS).mkdir(parents=True, exist_ok=True)
+        (folder / PLAN).write_text(json.dumps({"twin study": list(args)}) + "\n")
+    except OSError as error:
+        raise BadInput(f"{folder} cannot be written: {error.strerror}") from None
+
+
+def _work(cases: Sequence[Any], folder: Path, options: Study, told: Any) -> None:
+    from twin import study
+
+    if options.retry_failed:
+        for path in study.failed(cases, folder / PARTS):
+            path.unlink()
+    pairs = [text.partition("=") for text in options.backend_option]
+    study.work(
+        cases,
+        folder / PARTS,
+        jobs=options.jobs,
+        backend=options.backend,
+        options={name: value for name, _, value in pairs},
+        progress=told,
+    )
+
+
+def _finish(cases: Sequence[Any], folder: Path, swept: list[str], options: Study) -> None:
+    from twin import study
+
+    table = study.read(cases, folder / PARTS)
+    study.write_table(table, folder / TABLE)
+    rows = table.to_pylist()
+    groups = study.groups(rows, swept)
+    summary = study.rows(groups, study.quantities(rows, swept), options.against)
+    for path in filter(None, (folder / SUMMARY, options.json)):
+        rows_file.write(summary, path)
+    drawn = _draw(groups, folder)
+    if not options.quiet:
+        print_means(groups)
+        failed = [row for row in rows if row["error"] is not None]
+        for text in dict.fromkeys(
+            f"{r['scenario']}, {r['estimator']}: {r['error']}" for r in failed
+        ):
+            console().print(f"failed: {text}", style="dim", highlight=False, markup=False)
+        files = ", ".join(str(folder / name) for name in (TABLE, SUMMARY, *drawn))
+        console().print(f"{len(cases)} runs; {files}", highlight=False)
+
+
+def _draw(groups: Sequence[Group], folder: Path) -> list[str]:
+    from twin.study import figures
+
+    names = {quantity: quantity.replace(".", "_") + ".png" for quantity in DRAWN}
+    return [
+        name
+        for quantity, name in names.items()
+        if figures.draw(groups, quantity, folder / name, label=DRAWN[quantity])
+    ]
+
+
+def print_means(groups: Sequence[Group]) -> None:
+    """A line for each setting and estimator: mean ± half the 95 % interval."""
+    from rich import box
+    from rich.table import Table
+
+    from twin.study.summary import mean
+
+    shown = [q for q in SHOWN if any(group.values(q) for group in groups)]
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="mean ± half the 95 % interval")
+    for heading in ("setting", "estimator"):
+        table.add_column(heading)
+    for heading in ("runs", "failed", *(SHOWN[q][0].replace("[", r"\[") for q in shown)):
+        table.add_column(heading, justify="right")
+    for group in groups:
+        means = {q: mean(group.values(q).values()) for q in shown}
+        cells = [_cell(means[q], SHOWN[q][1]) for q in shown]
+        counts = (str(len(group.rows)), str(group.failed or ""))
+        table.add_row(group.setting, group.estimator, *counts, *cells)
+    console().print(table)
+
+
+def _cell(found: Any, scale: float) -> str:
+    if found.n == 0:
+        return "-"
+    half = "" if found.n == 1 else f" ± {scale * (found.high - found.mean):.3f}"
+    return f"{scale * found.mean:.3f}{half}"
