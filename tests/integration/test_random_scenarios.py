@@ -139,7 +139,7 @@ def scenario(seed):
     field = simple(rng, Field)
     if rng.random() < 0.5:
         field["other_share"] = 0.0
-    if course["approach_m"] < LEAST_APPROACH_M or not course["hold_line"] or course["edge_m"]:
+    if course["approach_m"] < LEAST_APPROACH_M or not course["hold_line"] or course.get("edge_m"):
         course["passes"] = 1
     patches = tuple(Patch(**simple(rng, Patch)) for _ in range(rng.integers(MOST_PATCHES + 1)))
     return Scenario(

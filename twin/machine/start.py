@@ -69,7 +69,10 @@ def settled(model: Any, qpos: Array, rotation: Array, scenario: Scenario) -> Set
     act[2 * len(block.WHEELS) :] = 0.0
     slots = state.userdata[: block.MACHINE_SLOTS].reshape(len(block.WHEELS), -1)
     load_n = np.array(slots[:, WheelSlot.LOAD_N])
-    return Settled(back_on_line(np.array(state.qpos), qpos, rotation), act, load_n)
+    rest = np.array(state.qpos)
+    if model.nhfield == 0:  # elsewhere on uneven ground it would not be at rest
+        rest = back_on_line(rest, qpos, rotation)
+    return Settled(rest, act, load_n)
 
 
 def _settle(model: Any, state: Any, scenario: Scenario) -> None:
@@ -120,21 +123,16 @@ def standing(
     work_rad: float,
     heights: GridMap | None,
 ) -> Array:
-    """Standing on the ground at the start of the course, the plough carried. Shape (nq,).
-
-    On a map as high as the highest of its wheels' places.
-    """
+    """Standing on the ground at the start of the course, the plough carried. Shape (nq,)."""
     qpos = model.qpos0.copy()
     left_m = scenario.course.start_left_m
-    raised_m = 0.0
+    upright, raised_m = rotation, 0.0
     if heights is not None:
-        front_m, half_m = (
-            float(model.body(b).pos[i]) for b, i in (("front_axle", 0), ("rl_wheel", 1))
-        )
-        places = np.array([[s, left_m + t] for s in (0.0, front_m) for t in (half_m, -half_m)])
-        raised_m = float(heights.at(places[:, 0], places[:, 1]).max())
-    qpos[:3] = rotation @ np.array([0.0, left_m, raised_m + model.body("tractor").pos[2]])
-    qpos[3:7] = quaternion(rotation)
+        lean, raised_m = _lean(model, heights, left_m)
+        upright = rotation @ lean
+    axle_m = float(model.body("tractor").pos[2])
+    qpos[:3] = rotation @ np.array([0.0, left_m, raised_m]) + axle_m * upright[:, 2]
+    qpos[3:7] = quaternion(upright)
     if hitch is None:
         return np.asarray(qpos, dtype=np.float64)
     qpos[model.joint("lift").qposadr[0]] = RAISED_RAD
@@ -143,3 +141,19 @@ def standing(
         pitch = hitch.pitch_rad_at(RAISED_RAD, top_m)
         qpos[model.joint("plough.pitch").qposadr[0]] = pitch
     return np.asarray(qpos, dtype=np.float64)
+
+
+def _lean(model: Any, heights: GridMap, left_m: float) -> tuple[Array, float]:
+    """Rotation that lays the machine on the plane through its wheels' places, and its height.
+
+    Raised until none of them is below the ground.
+    """
+    front_m, half_m = float(model.body("front_axle").pos[0]), float(model.body("rl_wheel").pos[1])
+    s, t = (a.ravel() for a in np.meshgrid([0.0, front_m], [half_m, -half_m]))
+    ground_m = heights.at(s, left_m + t)
+    plane = np.stack([np.ones(4), s, t], axis=1)
+    found, *_ = np.linalg.lstsq(plane, ground_m)
+    raised_m = float(found[0] + np.max(ground_m - plane @ found))
+    normal = np.array([-found[1], -found[2], 1.0]) / math.sqrt(1.0 + found[1] ** 2 + found[2] ** 2)
+    ahead = np.array([1.0, 0.0, found[1]]) / math.sqrt(1.0 + found[1] ** 2)
+    return np.stack([ahead, np.cross(normal, ahead), normal], axis=1), raised_m

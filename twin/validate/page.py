@@ -42,7 +42,9 @@ NOT_VALIDATED = """\
   Brixius' data: their numbers are assumed.
 * **Rolling over rough ground.** Tyre damping, the spectrum's class and the tractor's pitch and
   bounce were not compared with a measurement. Tyres touch the ground at one point and
-  filter no roughness.
+  filter nothing; in return the ground has no waves shorter than 0.8 m.
+* **Headlands.** The tractor turns and the plough is lifted and turned over; soil thrown, ends of
+  furrows and the time a driver takes were not compared with a field.
 * **Plough.** Its side and vertical forces, the landside's friction, the depth wheel and the furrow
   wall are partitions and assumptions; the total alone follows a published law.
 * **Hitch and driver.** Control of the hitch, steering and depth corrections are plausible, not

@@ -7,7 +7,7 @@ from typing import Any
 
 from joblib import Parallel, delayed
 
-from twin.validate import analytic, field, handling, instruments, numerical, traction
+from twin.validate import analytic, field, handling, instruments, numerical, terrain, traction
 from twin.validate.check import Check
 
 LAYERS = {
@@ -38,6 +38,8 @@ TASKS: tuple[tuple[str, Callable[[], list[Check]]], ...] = (
     ("numerical", numerical.settling),
     ("numerical", numerical.seeds),
     ("numerical", numerical.dissipation),
+    ("numerical", terrain.spectrum),
+    ("numerical", terrain.tilted_map),
     ("sensors", instruments.inertial),
     ("sensors", instruments.receiver),
 )
