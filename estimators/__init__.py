@@ -32,6 +32,9 @@ REGISTRY: dict[str, str] = {
     "pso-pkf": "estimators.adaptive_pkf:PSO_PKF",
     "ma-pkf": "estimators.adaptive_pkf:MA_PKF",
     "ima-pkf": "estimators.adaptive_pkf:IMA_PKF",
+    "pso-pkf-log": "estimators.adaptive_pkf:PSO_PKF_LOG",
+    "ma-pkf-log": "estimators.adaptive_pkf:MA_PKF_LOG",
+    "ima-pkf-log": "estimators.adaptive_pkf:IMA_PKF_LOG",
     "mmae": "estimators.filter_bank:MMAE",
     "whiteness": "estimators.filter_bank:WHITENESS",
 }

@@ -163,11 +163,18 @@ class AdaptivePkf:
 
 
 PSO_PKF = AdaptivePkf(optimiser="pso")
+"""Parallel Kalman filter whose Q and R a particle swarm seeks, in a box of variances."""
 MA_PKF = AdaptivePkf(optimiser="mayfly")
+"""The same, sought by mayflies."""
 IMA_PKF = AdaptivePkf(optimiser="improved-mayfly")
-PSO_PKF_LOG = AdaptivePkf(optimiser="pso", encoding="log", process_var=(1e-8, 1e-2))
-MA_PKF_LOG = AdaptivePkf(optimiser="mayfly", encoding="log", process_var=(1e-8, 1e-2))
-IMA_PKF_LOG = AdaptivePkf(optimiser="improved-mayfly", encoding="log", process_var=(1e-8, 1e-2))
+"""The same, sought by improved mayflies (Fu et al.)."""
+LOGARITHMIC: Any = {"encoding": "log", "process_var": (1e-8, 1e-2)}
+PSO_PKF_LOG = AdaptivePkf(optimiser="pso", **LOGARITHMIC)
+"""Particle swarm in a box of logarithms of variances."""
+MA_PKF_LOG = AdaptivePkf(optimiser="mayfly", **LOGARITHMIC)
+"""Mayflies in a box of logarithms of variances."""
+IMA_PKF_LOG = AdaptivePkf(optimiser="improved-mayfly", **LOGARITHMIC)
+"""Improved mayflies in a box of logarithms of variances."""
 
 
 @compiled
@@ -185,7 +192,7 @@ def _loop(signals: Any, nominal: Record, tuning: Record, memory: Record, rows: A
 @compiled
 def _advance(tuning: Record, memory: Record) -> None:
     """One step of both observers: predict, compare, adapt, update."""
-    _restart_after_gap(memory)
+    _restart_after_gap(tuning, memory)
     memory.steps += 1
     for observer in range(OBSERVERS):
         for block in range(BLOCKS):
@@ -198,10 +205,12 @@ def _advance(tuning: Record, memory: Record) -> None:
 
 
 @compiled
-def _restart_after_gap(memory: Record) -> None:
+def _restart_after_gap(tuning: Record, memory: Record) -> None:
+    """Begin as at first: states, covariances and what the searches found are of before the gap."""
     if memory.step.dt_s > STALE_S:
         memory.steps = 0
         for observer in range(OBSERVERS):
+            memory.noise[observer, :] = tuning.noise[observer]
             memory.known[observer, GROUND] = memory.known[observer, WHEEL] = 0
             for i in range(ROWS):
                 for j in range(ROWS):

@@ -16,6 +16,8 @@ GYRO_MEAN_S = 30.0
 a gyro's bias does."""
 PITCH_LEAK_S = 10.0
 """The pitch is integrated and forgotten over this: beyond it the gyro's drift is the larger."""
+GAP_S = 0.2
+"""Over a longer time between two samples a rate at its end says nothing of the pitch."""
 ROLL_S = 2.0
 """Time over which the sideways acceleration is averaged to the cross slope."""
 
@@ -47,7 +49,8 @@ def read(
         memory.gyro_mean_radps[1] += gain * (q - memory.gyro_mean_radps[1])
         p -= memory.gyro_mean_radps[0]
         q -= memory.gyro_mean_radps[1]
-        memory.pitch_rad = (memory.pitch_rad - q * step) * math.exp(-step / PITCH_LEAK_S)
+        turned = -q * dt if dt <= GAP_S else 0.0
+        memory.pitch_rad = (memory.pitch_rad + turned) * math.exp(-dt / PITCH_LEAK_S)
     else:
         p, q = 0.0, 0.0
     if np.isfinite(r):

@@ -157,6 +157,17 @@ def test_quick_pitching_leaves_the_accelerometer_and_a_slope_stays():
     assert np.std(accel) < 0.1 * 9.81 * 0.02 / np.sqrt(2)
 
 
+def test_a_gap_is_not_filled_with_the_rate_at_its_end():
+    """A second of the last pitch rate would be 0.09 rad, 0.9 m/s2 for seconds."""
+    drive = Drive(duration_s=6.0, noise=0.0, pitch=lambda t: 0.01 * np.sin(9 * t))
+    imu = synthetic.streams(drive, SETUP)["imu"]
+    after = imu["epoch_ns"] > 4_000_000_000
+    imu = {k: v + 20_000_000_000 * after if k.endswith("_ns") else v for k, v in imu.items()}
+    t, accel = synthetic.times(drive, drive.imu_hz), of(read(Streams({"imu": imu})), IMU)
+    error = accel["accel_mps2"] - synthetic.derivative(drive.speed, t)
+    assert np.abs(error[after]).max() < 2 * 9.81 * 0.01
+
+
 def test_no_fix_is_no_velocity():
     streams = circle()
     streams["gnss"]["quality"] = np.where(np.arange(100) < 50, 4, 0)

@@ -1,10 +1,13 @@
 """One run's rows: its scores, and its errors where it fails."""
 
+import json
+
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from twin import registry, run, scores
+from twin import cli, registry, run, scores
+from twin.errors import BadInput
 from twin.study import failed, missing, part, plan, read, work
 
 
@@ -72,3 +75,32 @@ def test_work_does_what_is_missing_and_nothing_else(tmp_path):
     assert {name: after[name] for name in before} == before
     assert (told[0], told[-1]) == (0.5, 1.0)
     assert np.all(np.diff(told) >= 0)
+
+
+def test_a_full_disk_is_one_line_and_what_is_done_stays(tmp_path, monkeypatch):
+    cases = plan(["ima-pkf"], range(3), ["ratio"], {})
+    work(cases[:1], tmp_path, jobs=1)
+
+    def full(case, folder):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(part, "write", full)
+    with pytest.raises(BadInput, match=r"the study stopped: OSError.*No space left.*missing"):
+        work(cases, tmp_path, jobs=1)
+    assert len(missing(cases, tmp_path)) == 2
+
+
+def test_signals_without_a_machine_are_a_run_like_any_other(tmp_path, monkeypatch, capsys):
+    out = tmp_path / "run"
+    assert (
+        cli.main(["run", "ima-pkf", "--seed", "3", "--estimators", "ratio", "--out", str(out)]) == 0
+    )
+    case, *_ = plan(["ima-pkf"], [3], ["ratio"], {})
+    row, *_ = part.rows(case)
+    scored = json.loads((out / "scores.json").read_text())["estimators"]["ratio"]["slip"]
+    assert scored["rmse"] == row["slip.rmse"]
+    assert {"report.html", "run.rrd", "truth.parquet"} <= {p.name for p in out.iterdir()}
+    monkeypatch.chdir(tmp_path)
+    capsys.readouterr()
+    assert cli.main(["run", "ima-pkf", "--mask", "3", "4"]) == 2
+    assert "has no GNSS receiver to mask" in capsys.readouterr().err

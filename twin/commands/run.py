@@ -90,7 +90,7 @@ def _masked(scenario: Any, mask: tuple[float, float] | None) -> Any:
 
     if mask is None:
         return scenario
-    gnss = scenario.sensors.gnss
+    gnss = getattr(getattr(scenario, "sensors", None), "gnss", None)
     if gnss is None:
         raise BadInput(f"--mask: scenario '{scenario.name}' has no GNSS receiver to mask")
     fault = Outage(start_s=mask[0], duration_s=mask[1], kind="mask")
@@ -102,7 +102,7 @@ def _masked(scenario: Any, mask: tuple[float, float] | None) -> Any:
 def _check_frames(scenario: Any, folder: Path | None) -> None:
     if folder is None:
         return
-    if scenario.sensors.camera is None:
+    if getattr(getattr(scenario, "sensors", None), "camera", None) is None:
         raise BadInput(f"--frames {folder}: scenario '{scenario.name}' has no camera")
     if folder.exists() and not folder.is_dir():
         raise BadInput(f"--frames {folder} is no folder; choose another")

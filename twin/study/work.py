@@ -49,7 +49,7 @@ def work(
         progress: told the share of the plan that is done.
 
     Raises:
-        BadInput: there is no such backend, or it cannot be reached.
+        BadInput: there is no such backend, it cannot be reached, or a worker was lost.
     """
     folder = folder.absolute()
     folder.mkdir(parents=True, exist_ok=True)
@@ -61,8 +61,12 @@ def work(
     workers = _workers(backend, jobs, options or {})
     told = _Told(n_jobs=jobs)
     told.tell = lambda count: progress((done + count) / len(cases))
-    with workers:
-        told(joblib.delayed(part.write)(case, folder) for case in todo)
+    try:
+        with workers:
+            told(joblib.delayed(part.write)(case, folder) for case in todo)
+    except Exception as error:  # a run's own are rows; this is a full disk or a lost worker
+        text = f"the study stopped: {line(error)}; the same command does what is missing"
+        raise BadInput(text) from None
     for leftover in folder.glob(".*.parquet.*"):  # of runs that were killed while writing
         leftover.unlink(missing_ok=True)
 
