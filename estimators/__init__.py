@@ -37,5 +37,7 @@ REGISTRY: dict[str, str] = {
     "ima-pkf-log": "estimators.adaptive_pkf:IMA_PKF_LOG",
     "mmae": "estimators.filter_bank:MMAE",
     "whiteness": "estimators.filter_bank:WHITENESS",
+    "slip-ekf": "estimators.slip_ekf:SLIP_EKF",
+    "slip-ekf-smooth": "estimators.slip_ekf.smooth:SLIP_EKF_SMOOTH",
 }
 """Name -> "module:Attribute"; nothing is imported until the name is asked for."""

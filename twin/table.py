@@ -15,8 +15,19 @@ _DEG = 57.29577951308232
 
 
 def score_rows(scores: Mapping[str, Any]) -> list[list[str]]:
-    """One row of text per estimator, in the order of HEADERS; a dash where nothing is known."""
-    return [_row(name, entry) for name, entry in scores.get("estimators", {}).items() if entry]
+    """One row of text per estimator, in the order of HEADERS; a dash where nothing is known.
+
+    Below them the bounds: no estimator that knows the motion no better than its statistics has a
+    smaller RMSE.
+    """
+    rows = [_row(name, entry) for name, entry in scores.get("estimators", {}).items() if entry]
+    bound = scores.get("bound") or {}
+    for when in ("causal", "offline"):
+        if (slip := bound.get(f"slip_{when}")) is not None:
+            angle = {"rmse": bound.get(f"sideslip_{when}_rad")}
+            entry = {"slip": {"rmse": slip}, "sideslip_angle_rad": angle}
+            rows.append(_row(f"bound, {when}", entry))
+    return rows
 
 
 def slip_lines(scores: Mapping[str, Any]) -> list[str]:

@@ -31,7 +31,7 @@ def setup(**overrides) -> Setup:
         ),
         "imu": ImuSetup(
             rate_hz=50.0,
-            lever_arm_m=(0.4, 0.0, 1.0),
+            lever_arm_m=(0.4, 0.0, 0.0),
             gyro_noise_radps_rthz=1e-4,
             accel_noise_mps2_rthz=4e-3,
             gyro_bias_sd_radps=0.002,
@@ -98,7 +98,8 @@ def streams(drive: Drive, of: Setup, seed: int = 1) -> Streams:
     }
     t = times(drive, drive.imu_hz)
     root = np.sqrt(drive.imu_hz)
-    accel_x = derivative(drive.speed, t) + GRAVITY_MPS2 * np.sin(drive.pitch(t))
+    swung = -derivative(lambda at: derivative(drive.pitch, at), t) * of.imu.lever_arm_m[2]
+    accel_x = derivative(drive.speed, t) + GRAVITY_MPS2 * np.sin(drive.pitch(t)) + swung
     accel_sd, gyro_sd = of.imu.accel_noise_mps2_rthz * root, of.imu.gyro_noise_radps_rthz * root
     imu = stamps(t) | {
         "gyro_x_radps": noise(gyro_sd, t.shape),
@@ -117,11 +118,15 @@ def _wheels(drive: Drive, noise: Callable) -> dict[str, np.ndarray]:
     fine = np.arange(0, len(t) * 20 + 1) / (20 * drive.wheels_hz)
     for wheel, radius in RADIUS_M.items():
         if not drive.ticks:
-            table[f"speed_{wheel}_mps"] = wheel_speed(drive, wheel, t) + noise(0.02, t.shape)
+            turned = radius * derivative(drive.pitch, t)
+            table[f"speed_{wheel}_mps"] = (
+                wheel_speed(drive, wheel, t) + turned + noise(0.02, t.shape)
+            )
             continue
         w = wheel_speed(drive, wheel, fine)
         path = np.concatenate([[0.0], np.cumsum(0.5 * (w[1:] + w[:-1]) * np.diff(fine))])
-        ticks = path[20::20] / radius / (2 * np.pi) * 4000
+        turned = drive.pitch(fine[20::20]) - drive.pitch(0.0)  # counters turn with the body
+        ticks = (path[20::20] / radius + turned) / (2 * np.pi) * 4000
         table[f"ticks_{wheel}"] = np.floor(ticks).astype(np.int64) if drive.noise else ticks
     if not drive.ticks:
         table["speed_sd_mps"] = np.full(t.shape, 0.02)

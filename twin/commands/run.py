@@ -65,18 +65,17 @@ def execute(scenario: Any, options: Options) -> Path:
     scenario = _masked(scenario, options.mask)
     _check_frames(scenario, options.frames)
     estimators = load_estimators(options.estimators)
+    from twin.commands.limits import limits
     from twin.run import run  # heavy, so only once the input is known to be good
 
     shown = not (options.quiet or options.json)
     with progress(scenario.name, shown=shown) as report:
         result = run(scenario, estimators=estimators, progress=report, frames=options.frames)
+    window = scores.scored_window_s(result.truth, scenario)
     table = scores.score(
-        result.truth,
-        result.estimates,
-        scenario=scenario.name,
-        seed=scenario.seed,
-        window=scores.scored_window_s(result.truth, scenario),
+        result.truth, result.estimates, scenario=scenario.name, seed=scenario.seed, window=window
     )
+    table["bound"] = limits(result.setup, result.streams, result.truth, window)
     table["ended"] = result.ended
     table["notes"] = list(result.notes)
     runfolder.write(result, table, directory, pictures=_pictures())
