@@ -35,6 +35,7 @@ REGISTRY: dict[str, str] = {
     "pso-pkf-log": "estimators.adaptive_pkf:PSO_PKF_LOG",
     "ma-pkf-log": "estimators.adaptive_pkf:MA_PKF_LOG",
     "ima-pkf-log": "estimators.adaptive_pkf:IMA_PKF_LOG",
+    "sideslip-ekf": "estimators.sideslip_ekf:SideslipEkf",
     "mmae": "estimators.filter_bank:MMAE",
     "whiteness": "estimators.filter_bank:WHITENESS",
     "slip-ekf": "estimators.slip_ekf:SLIP_EKF",

@@ -13,6 +13,8 @@ from twin.streams import COLUMNS, Setup, Streams, Table
 
 KEPT = 256
 """Gyro samples that are remembered: over a second at 200 Hz, longer than any frame is late."""
+HELD_S = 0.25
+"""Longest time over which the last rate goes on, and over which rates are interpolated [s]."""
 _GYRO = ("gyro_x_radps", "gyro_y_radps", "gyro_z_radps")
 _SENSORS = tuple(COLUMNS)
 
@@ -34,8 +36,10 @@ class State:
 
     odometry: odometry.State
     gyros: Gyros = field(default_factory=Gyros)
+    epoch_ns: int | None = None
+    """The last frame; None before the first."""
     angle_rad: tuple[float, float, float] | None = None
-    """The integral at the last frame; None before the first."""
+    """The integral at it; None where no gyros told it yet."""
 
 
 def init(setup: Setup, method: str = "phase-ecc") -> State:
@@ -76,17 +80,25 @@ def run(state: State, chunk: Streams) -> tuple[State, Table]:
 def _frame(state: State, chunk: Streams, row: int) -> tuple[State, Motion]:
     camera = chunk["camera"]
     epoch_ns, number = int(camera["epoch_ns"][row]), int(camera["frame"][row])
-    angle = angle_at(state.gyros, epoch_ns)
-    before = angle if state.angle_rad is None else np.array(state.angle_rad)
-    turn = angle - before if state.gyros.epoch_ns else None
+    angle, turn = angle_at(state.gyros, epoch_ns), None
+    before = None if state.angle_rad is None else np.array(state.angle_rad)
+    if before is None and state.epoch_ns is not None:  # gyro samples may have come since
+        before = angle_at(state.gyros, state.epoch_ns)
+    if state.epoch_ns is None and angle is not None:
+        turn = np.zeros(3)
+    elif angle is not None and before is not None:
+        turn = angle - before
     frame = None if chunk.frames is None else chunk.frames.get(number)
     after, motion = odometry.step(state.odometry, frame, epoch_ns, turn)
-    kept = (float(angle[0]), float(angle[1]), float(angle[2]))
-    return replace(state, odometry=after, angle_rad=kept), motion
+    kept = None if angle is None else (float(angle[0]), float(angle[1]), float(angle[2]))
+    return replace(state, odometry=after, epoch_ns=epoch_ns, angle_rad=kept), motion
 
 
 def integrate(gyros: Gyros, epoch_ns: int, rate_radps: Array) -> Gyros:
-    """Add a sample by the trapezoidal rule; one that is NaN or not newer changes nothing."""
+    """Add a sample by the trapezoidal rule; one that is NaN or not newer changes nothing.
+
+    Over a longer gap than HELD_S nothing is integrated, and nothing before it is remembered.
+    """
     if not np.all(np.isfinite(rate_radps)):
         return gyros
     rate = (float(rate_radps[0]), float(rate_radps[1]), float(rate_radps[2]))
@@ -96,6 +108,8 @@ def integrate(gyros: Gyros, epoch_ns: int, rate_radps: Array) -> Gyros:
     if step_s <= 0.0:
         return gyros
     last = gyros.angle_rad[-1]
+    if step_s > HELD_S:
+        return Gyros(epoch_ns=(epoch_ns,), angle_rad=(last,), rate_radps=rate)
     x, y, z = (
         a + 0.5 * step_s * (r0 + r1) for a, r0, r1 in zip(last, gyros.rate_radps, rate, strict=True)
     )
@@ -106,15 +120,18 @@ def integrate(gyros: Gyros, epoch_ns: int, rate_radps: Array) -> Gyros:
     )
 
 
-def angle_at(gyros: Gyros, epoch_ns: int) -> Array:
-    """The integral at an epoch: linear between samples, at the last rate after them."""
+def angle_at(gyros: Gyros, epoch_ns: int) -> Array | None:
+    """The integral at an epoch: linear between samples, at the last rate after them.
+
+    None where the last sample is older than HELD_S, or there is none.
+    """
     if not gyros.epoch_ns:
-        return np.zeros(3)
+        return None
     last_ns = gyros.epoch_ns[-1]
     angles = np.array(gyros.angle_rad)
     if epoch_ns >= last_ns:
-        beyond: Array = angles[-1] + np.array(gyros.rate_radps) * ((epoch_ns - last_ns) * 1e-9)
-        return beyond
+        beyond_s = (epoch_ns - last_ns) * 1e-9
+        return angles[-1] + np.array(gyros.rate_radps) * beyond_s if beyond_s <= HELD_S else None
     since_ns = np.array(gyros.epoch_ns) - last_ns  # small numbers, exact as floats
     return np.array([np.interp(epoch_ns - last_ns, since_ns, a) for a in angles.T])
 

@@ -9,6 +9,7 @@ from drives import CAMERA, rendered
 
 from estimators.odometry import streams as visual
 from estimators.odometry.lens import Reason
+from estimators.odometry.streams import Gyros, angle_at, integrate
 from twin.sensors import camera
 from twin.streams import Setup, Streams
 
@@ -96,3 +97,14 @@ def test_it_says_what_it_needs():
 
 def test_the_set_up_survives_json():
     assert Setup.from_json(SETUP.to_json()) == SETUP
+
+
+def test_a_gap_in_the_gyros_is_no_turn():
+    """A rate goes on for a quarter of a second at most, so a pause turns no picture."""
+    gyros = integrate(Gyros(), 0, np.array([0.1, 0.0, 0.0]))
+    gyros = integrate(gyros, 20_000_000, np.array([0.1, 0.0, 0.0]))
+    assert angle_at(gyros, 120_000_000)[0] == pytest.approx(0.012)
+    assert angle_at(gyros, 6_000_000_000) is None
+    after = integrate(gyros, 6_000_000_000, np.array([0.1, 0.0, 0.0]))
+    assert angle_at(after, 6_000_000_000)[0] == pytest.approx(0.002)
+    assert angle_at(Gyros(), 5) is None

@@ -1,0 +1,11 @@
+"""Sideslip from a camera that looks down, GNSS, gyro and wheels, with what is not mounted true.
+
+plane    the ground plane against the horizontal
+tilt     which way is up in it
+model    state, prediction, and what each sensor says
+filter   samples in order of their epochs; the estimator
+"""
+
+from estimators.sideslip_ekf.filter import SideslipEkf
+
+__all__ = ["SideslipEkf"]

@@ -1,0 +1,296 @@
+"""Samples wait a little and are taken in order of epoch; what is told is brought up to now."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from estimators.estimate import SLOW_MPS
+from estimators.four_state import FourState
+from estimators.layout import STALE_S
+from estimators.sideslip_ekf import model, tilt
+from estimators.sideslip_ekf.model import (
+    FREE_RAD2,
+    GYRO_BIAS,
+    HEADING,
+    SLIDE,
+    SLIDE_REAR,
+    V_X,
+    V_Y,
+    Array,
+    Nominal,
+    Tuning,
+)
+from estimators.sideslip_ekf.tilt import Tilt
+from twin.streams import COLUMNS, WHEELS, Setup, Streams, Table
+
+LAG_NS = 120_000_000
+"""A sample waits until another is so much newer, so that late ones find their place."""
+STALE_NS = round(STALE_S * 1e9)
+STRAIGHT_RADPS = 0.03
+"""Turning slower than this is straight on."""
+DRIVING_MPS = 0.3
+READ = {
+    "gnss": ("v_east_mps", "v_north_mps", "heading_rad", "quality", "velocity_sd_mps",
+             "heading_sd_rad"),
+    "imu": ("gyro_x_radps", "gyro_y_radps", "gyro_z_radps", "accel_x_mps2", "accel_y_mps2"),
+    "wheels": (*(f"ticks_{w}" for w in WHEELS), *(f"speed_{w}_mps" for w in WHEELS),
+               "speed_sd_mps"),
+    "camera": ("v_x_mps", "v_y_mps", "var_x_m2ps2", "var_y_m2ps2", "cov_xy_m2ps2", "used"),
+}  # fmt: skip
+LATERAL = ("v_y_mps", "sideslip_rad", "sideslip_sd_rad", "sideslip_m", "sideslip_sd_m",
+           "sideslip_rear_rad", "sideslip_rear_m")  # fmt: skip
+
+Sample = tuple[int, str, tuple[float, ...]]
+"""Epoch, sensor, values as in READ; for "towed" a speed and its sd."""
+
+
+@dataclass
+class State:
+    """What is carried from chunk to chunk; only `Work` changes one, and that a copy of its own."""
+
+    slip: Any
+    """State of the filter that tells slip."""
+    nominal: Nominal
+    towed: tuple[int, ...]
+    """Numbers of the wheels that are not driven."""
+    tick_m: tuple[float, ...]
+    """Path per tick of each wheel, NaN without ticks."""
+    x: Array
+    p: Array
+    epoch_ns: int = -1
+    """Of the filter."""
+    newest_ns: int = -1
+    lateral_ns: int = -1
+    """When a lateral speed was last measured."""
+    spin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """The last turn rates."""
+    spin_ns: int = -1
+    tilt: Tilt = field(default_factory=Tilt)
+    last_ns: tuple[tuple[str, int], ...] = ()
+    """Newest epoch of each sensor."""
+    ticks: tuple[float, ...] = (math.nan,) * 4
+    tick_ns: int = -1
+    waiting: tuple[Sample, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class SideslipEkf:
+    """Extended Kalman filter on speeds, heading, slides, and what is not mounted true.
+
+        x = [v_x, v_y, heading, gyro bias, heading bias, camera yaw, camera scale, wheel scale,
+             slide of the centre of gravity, slide of the rear axle]
+
+    The slides are the sideslip amounts, integrals of lateral speed, so that their sd knows of the
+    biases they share. Camera yaw and heading bias are found where the machine drives straight on
+    over level ground, which the accelerometer tells: there the rear axle does not slide. Through a
+    masking the camera and the gyro go on alone.
+
+    Speeds along the ground and of the wheels, and slip, are `four-state`'s.
+    """
+
+    tuning: Tuning = field(default_factory=Tuning)
+
+    def init(self, setup: Setup) -> State:
+        """The state before the first sample."""
+        nominal = Nominal.of(setup)
+        wheels = setup.wheels
+        per_turn = wheels.counts_per_turn if wheels and wheels.counts_per_turn else math.nan
+        radius = wheels.radius_m if wheels else {}
+        x, p = model.begin(nominal, self.tuning)
+        return State(
+            slip=FourState().init(setup),
+            nominal=nominal,
+            towed=tuple(i for i, w in enumerate(WHEELS) if w not in setup.driven),
+            tick_m=tuple(2.0 * math.pi * radius.get(w, math.nan) / per_turn for w in WHEELS),
+            x=x,
+            p=p,
+        )
+
+    def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
+        """The state after the chunk, and an estimate for each of its wheel samples."""
+        slip, table = FourState().run(state.slip, chunk)
+        work = Work(replace(state, slip=slip), self.tuning)
+        columns = {
+            s: np.column_stack([chunk.column(s, n).astype(float) for n in names])
+            for s, names in READ.items()
+            if s in chunk
+        }
+        names = tuple(COLUMNS)
+        told = []
+        for sensor, row in zip(*chunk.merge_order(), strict=True):
+            name = names[sensor]
+            if name in columns:
+                epoch_ns = int(chunk[name]["epoch_ns"][row])
+                if work.arrived(epoch_ns, name, columns[name][row]) and name == "wheels":
+                    told.append(work.told())
+        lateral = np.array(told).reshape(-1, len(LATERAL))
+        return work.state, table | {n: lateral[:, i].copy() for i, n in enumerate(LATERAL)}
+
+
+class Work:
+    """A state while a chunk is taken in; the one it began with is left as it was."""
+
+    def __init__(self, state: State, tuning: Tuning) -> None:
+        self.state = replace(state, x=state.x.copy(), p=state.p.copy())
+        self.tuning = tuning
+
+    def arrived(self, epoch_ns: int, sensor: str, values: Array) -> bool:
+        """Take in a sample that has arrived; whether it is newer than its sensor's last."""
+        state = self.state
+        last = dict(state.last_ns)
+        if epoch_ns <= last.get(sensor, -1):
+            return False
+        newest = max(state.newest_ns, epoch_ns)
+        if sensor == "camera" and values[-1] != 1.0:
+            return False  # its epoch may be that of the next one
+        last[sensor] = epoch_ns
+        state.last_ns, state.newest_ns = tuple(last.items()), newest
+        if newest - epoch_ns > STALE_NS:
+            return False
+        self._wait(epoch_ns, sensor, values)
+        self._take_due()
+        return True
+
+    def _wait(self, epoch_ns: int, sensor: str, values: Array) -> None:
+        sample: Sample = (epoch_ns, sensor, tuple(values.tolist()))
+        if sensor == "wheels":
+            found = self._towed(epoch_ns, values)
+            if found is None:
+                return
+            sample = found
+        waiting = sorted((*self.state.waiting, sample), key=lambda s: s[:2])
+        self.state.waiting = tuple(waiting)
+
+    def _towed(self, epoch_ns: int, values: Array) -> Sample | None:
+        """Mean speed of the towed wheels over the interval of two readings, at its middle."""
+        state = self.state
+        ticks, dt = tuple(values[:4].tolist()), (epoch_ns - state.tick_ns) * 1e-9
+        steps = [(ticks[i] - state.ticks[i]) * state.tick_m[i] for i in state.towed]
+        middle_ns = epoch_ns - (epoch_ns - state.tick_ns) // 2
+        state.ticks, state.tick_ns = ticks, epoch_ns
+        if steps and dt < STALE_S and all(map(math.isfinite, steps)):
+            sd = state.tick_m[state.towed[0]] / dt / math.sqrt(6.0 * len(steps))
+            return middle_ns, "towed", (sum(steps) / len(steps) / dt, sd)
+        speeds = [float(values[4 + i]) for i in state.towed]
+        if speeds and all(map(math.isfinite, speeds)):
+            sd = float(values[8])
+            return epoch_ns, "towed", (sum(speeds) / len(speeds), sd if sd > 0.0 else 0.05)
+        return None
+
+    def _take_due(self) -> None:
+        due_ns = self.state.newest_ns - LAG_NS
+        while self.state.waiting and self.state.waiting[0][0] <= due_ns:
+            first, *rest = self.state.waiting
+            self.state.waiting = tuple(rest)
+            self._take(*first)
+
+    def _take(self, epoch_ns: int, sensor: str, values: tuple[float, ...]) -> None:
+        if sensor == "imu":
+            self._turn(epoch_ns, values)
+        spin = self._spin_at(epoch_ns)
+        self._carry(epoch_ns, spin[2])
+        if sensor == "imu":
+            self._level()
+        elif sensor == "camera":
+            self._camera(np.array(values), spin[2])
+        elif sensor == "gnss":
+            self._gnss(values, np.array(spin))
+        elif sensor == "towed" and abs(spin[2]) < STRAIGHT_RADPS:
+            model.take_wheels(self.state.x, self.state.p, values[0], values[1], self.tuning)
+
+    def _carry(self, epoch_ns: int, rate: float) -> None:
+        """Predict to an epoch; after a gap start again, with the biases that are known."""
+        state = self.state
+        dt = (epoch_ns - state.epoch_ns) * 1e-9
+        if state.epoch_ns >= 0 and dt > STALE_S:
+            model.forget(state.x, state.p)
+            state.tilt = tilt.forget(state.tilt)
+        elif state.epoch_ns >= 0 and dt > 0.0:
+            model.predict(state.x, state.p, dt, rate, state.nominal, self.tuning)
+        state.epoch_ns = max(epoch_ns, state.epoch_ns)
+
+    def _turn(self, epoch_ns: int, values: tuple[float, ...]) -> None:
+        """Remember the turn rates; feel the vertical."""
+        state = self.state
+        p, q, r = (v if math.isfinite(v) else s for v, s in zip(values, state.spin, strict=False))
+        dt = min((epoch_ns - state.spin_ns) * 1e-9, 0.1) if state.spin_ns >= 0 else 0.02
+        rate = r - state.x[GYRO_BIAS]
+        ahead = values[3] + rate * state.x[V_Y]
+        left = values[4] - rate * state.x[V_X]
+        own = state.tilt
+        if state.spin_ns >= 0 and epoch_ns - state.spin_ns > STALE_NS:
+            own = tilt.forget(own)
+        state.tilt = tilt.felt(own, ahead, left, float(state.x[HEADING]), dt)
+        state.spin, state.spin_ns = (p, q, r), epoch_ns
+
+    def _spin_at(self, epoch_ns: int) -> tuple[float, ...]:
+        """Turn rates at an epoch: linear between IMU samples, held where there is no next one."""
+        state = self.state
+        for next_ns, sensor, values in state.waiting:
+            if sensor == "imu" and all(map(math.isfinite, values[:3])) and state.spin_ns >= 0:
+                share = (epoch_ns - state.spin_ns) / max(next_ns - state.spin_ns, 1)
+                return tuple(a + share * (b - a) for a, b in zip(state.spin, values, strict=False))
+        return state.spin
+
+    def _level(self) -> None:
+        state = self.state
+        rate = state.spin[2] - state.x[GYRO_BIAS]
+        driving = abs(state.x[V_X]) > DRIVING_MPS and state.p[V_X, V_X] < 1.0
+        if state.tilt.level and driving and abs(rate) < STRAIGHT_RADPS:
+            model.take_level(state.x, state.p, self.tuning)
+
+    def _camera(self, values: Array, rate: float) -> None:
+        """The height errs along the velocity; a covariance's smaller eigenvalue is without that."""
+        state = self.state
+        covariance = np.array([[values[2], values[4]], [values[4], values[3]]])
+        if not (np.isfinite(values[:2]).all() and np.isfinite(covariance).all()):
+            return
+        variance = max(float(np.linalg.eigvalsh(covariance)[0]), 1e-10)
+        seen = values[:2]
+        x, p = state.x, state.p
+        if model.take_camera(x, p, seen, variance, rate, state.nominal, self.tuning):
+            state.lateral_ns = state.epoch_ns
+
+    def _gnss(self, values: tuple[float, ...], spin: Array) -> None:
+        east, north, azimuth, quality, velocity_sd, heading_sd = values
+        state, nominal = self.state, self.state.nominal
+        spin[2] -= state.x[GYRO_BIAS]
+        rotation = state.tilt.rotation
+        if math.isfinite(azimuth):
+            sd = heading_sd if heading_sd > 0.0 else nominal.heading_sd_rad
+            model.take_heading(state.x, state.p, azimuth, sd, rotation, nominal)
+        known = state.p[HEADING, HEADING] < 0.1 * FREE_RAD2
+        if quality != 0.0 and math.isfinite(east + north) and known:
+            sd = velocity_sd if velocity_sd > 0.0 else nominal.velocity_sd_mps
+            flat = np.array([east, north])
+            if model.take_velocity(state.x, state.p, flat, sd, rotation, spin, nominal):
+                state.lateral_ns = state.epoch_ns
+
+    def told(self) -> tuple[float, ...]:
+        """LATERAL at the newest epoch: the filter's own, brought up at its lateral speed."""
+        state = self.state
+        x, p, nominal = state.x, state.p, state.nominal
+        if state.lateral_ns < 0:
+            return (math.nan,) * len(LATERAL)
+        ahead_s = max((state.newest_ns - state.epoch_ns) * 1e-9, 0.0)
+        if ahead_s > STALE_S:  # after a gap nothing is known of the speeds yet
+            sd = math.sqrt(p[SLIDE, SLIDE])
+            nan = math.nan
+            return nan, nan, nan, float(x[SLIDE]), sd, nan, float(x[SLIDE_REAR])
+        rate = state.spin[2] - x[GYRO_BIAS]
+        v_y_cg = x[V_Y] + nominal.cg_x_m * rate
+        h = np.zeros(len(x))
+        h[SLIDE], h[V_Y] = 1.0, ahead_s
+        slide_sd = math.sqrt(max(float(h @ p @ h), 0.0))
+        angles = (math.nan, math.nan, math.nan)
+        if abs(x[V_X]) >= SLOW_MPS:
+            sd = math.sqrt(p[V_Y, V_Y] + nominal.cg_x_m**2 * p[GYRO_BIAS, GYRO_BIAS])
+            angles = (
+                math.atan2(v_y_cg, x[V_X]), sd / abs(x[V_X]), math.atan2(x[V_Y], x[V_X]),
+            )  # fmt: skip
+        slide, rear = x[SLIDE] + ahead_s * v_y_cg, x[SLIDE_REAR] + ahead_s * x[V_Y]
+        return v_y_cg, angles[0], angles[1], slide, slide_sd, angles[2], rear
