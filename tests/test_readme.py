@@ -73,7 +73,7 @@ def test_every_environment_named_is_registered() -> None:
 
 
 def test_the_estimator_shown_is_as_long_as_said() -> None:
-    said = re.search(r"\((tests/\S+\.py)\) is a whole one in (\d+) lines", README)
+    said = re.search(r"\((examples/\S+\.py)\) is a whole one in (\d+) lines", README)
     assert said is not None
     assert len((ROOT / said[1]).read_text(encoding="utf-8").splitlines()) == int(said[2])
 

@@ -1,0 +1,145 @@
+"""Every code block of the README and of docs/ is run, and every command in them exists.
+
+A comment before a block says what becomes of it:
+
+    <!-- file: NAME -->      written to NAME in the page's folder, in which its blocks run in order
+    <!-- run -->             a bash block that is run
+    <!-- not run: WHY -->    a python block that is not
+
+A python block is run, each in a process of its own, unless it is a file or says why not. Of a bash
+block that is not run, every `twin` command and every option of it must exist.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from contextlib import redirect_stdout
+from dataclasses import dataclass
+from functools import cache
+from io import StringIO
+from pathlib import Path
+
+import pytest
+
+from twin import cli
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+FENCE = re.compile(r"(?:^<!-- ([^\n]*?) -->\n)?^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+FLAG = re.compile(r"--[a-z][\w.-]*")
+
+
+def name(page: Path) -> str:
+    return page.name
+
+
+@dataclass(frozen=True)
+class Block:
+    mark: str
+    language: str
+    text: str
+
+    @property
+    def file(self) -> str | None:
+        return self.mark.removeprefix("file: ") if self.mark.startswith("file: ") else None
+
+    @property
+    def runs(self) -> bool:
+        if self.file is not None or self.mark.startswith("not run: "):
+            return False
+        return self.language == "python" or (self.language == "bash" and self.mark == "run")
+
+
+def blocks(page: Path) -> list[Block]:
+    return [Block(*found) for found in FENCE.findall(page.read_text(encoding="utf-8"))]
+
+
+RUN = [p for p in PAGES[1:] if any(b.runs for b in blocks(p))]
+"""The README's example has a test of its own, which compares what it prints."""
+
+
+def commands(page: Path) -> list[list[str]]:
+    """Every `twin ...` of a page's bash blocks and of its code spans, as words."""
+    text = page.read_text(encoding="utf-8")
+    lines = [b.text.replace("\\\n", " ") for b in blocks(page) if b.language == "bash"]
+    spans = re.findall(r"`((?:\.venv/bin/)?twin [^`\n]+)`", FENCE.sub("", text))
+    pieces = [
+        p for line in "\n".join([*lines, *spans]).split("\n") for p in re.split("&&|[|;]", line)
+    ]
+    found = [re.split(r"\s#\s", p)[0].strip().removeprefix(".venv/bin/") for p in pieces]
+    return [shlex.split(p) for p in found if p.startswith("twin ")]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", RUN, ids=name)
+def test_every_block_runs(page: Path, tmp_path: Path) -> None:
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    surroundings = {**os.environ, "PATH": path, "PYTHONPATH": str(ROOT)}
+    for block in blocks(page):
+        if block.file is not None:
+            (tmp_path / block.file).write_text(block.text, encoding="utf-8")
+        elif block.runs:
+            python = [sys.executable, "-W", "error", "-c", block.text]
+            bash = ["bash", "-euo", "pipefail", "-c", block.text]
+            ran = subprocess.run(
+                python if block.language == "python" else bash,
+                cwd=tmp_path,
+                env=surroundings,
+                capture_output=True,
+                text=True,
+                timeout=300,
+            )
+            assert ran.returncode == 0, f"{block.text}\n{ran.stderr}"
+            assert "Warning" not in ran.stderr
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_command_and_option_exists(page: Path) -> None:
+    for _, *words in commands(page):
+        if words and words[0] in cli.COMMANDS:
+            known = help_of(*_named(words))
+            given = [w.split("=")[0] for w in words if FLAG.match(w)]
+            assert [g for g in given if g not in known] == [], f"{page.name}: {' '.join(words)}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_links_and_pictures_lead_somewhere(page: Path) -> None:
+    targets = re.findall(r"\]\(([^)#\s]+)[^)]*\)", FENCE.sub("", page.read_text(encoding="utf-8")))
+    assert [t for t in targets if "://" not in t and not (page.parent / t).exists()] == []
+
+
+@pytest.mark.parametrize(
+    ("page", "name"),
+    [("your-own-estimator.md", "mine.py"), ("your-own-scenario.md", "wet_hollow.py")],
+)
+def test_what_a_page_shows_is_the_example_and_short(page: str, name: str) -> None:
+    shown = {b.file: b.text for b in blocks(ROOT / "docs" / page)}
+    assert shown[name] == (ROOT / "examples" / name).read_text(encoding="utf-8")
+    assert len(shown[name].splitlines()) <= 25
+
+
+def test_the_drawings_are_what_the_script_draws() -> None:
+    space: dict[str, object] = {"__name__": "drawings", "__file__": str(ROOT / "docs/drawings.py")}
+    exec((ROOT / "docs/drawings.py").read_text(encoding="utf-8"), space)
+    for name, text in space["drawings"]().items():  # type: ignore[operator]
+        assert (ROOT / "docs/pictures" / name).read_text(encoding="utf-8") == text
+
+
+def _named(words: list[str]) -> tuple[str, ...]:
+    """A command with the name that its options depend on, if it has one that exists."""
+    bare = len(words) > 1 and re.fullmatch(r"[a-z][a-z0-9-]*", words[1]) is not None
+    if words[0] == "run" and not bare:
+        return "run", "plough-25cm"
+    return (words[0], words[1]) if words[0] in ("run", "rig", "reproduce") and bare else (words[0],)
+
+
+@cache
+def help_of(*command: str) -> frozenset[str]:
+    told = StringIO()
+    with redirect_stdout(told):
+        assert cli.main([*command, "--help"]) == 0, command
+    return frozenset(FLAG.findall(told.getvalue()))
