@@ -13,6 +13,8 @@ REGISTRY: dict[str, str] = {
     "plough-patchy": "scenarios.plough:PATCHY",
     "plough-headland": "scenarios.plough:HEADLAND",
     "slope-8-taishan": "scenarios.slope:TAISHAN_8",
+    **{f"slope-{slope}-taishan": f"scenarios.slope:TAISHAN_{slope}" for slope in (5, 10)},
+    **{f"slope-{slope}-plough": f"scenarios.slope:PLOUGH_{slope}" for slope in (5, 10)},
     **{f"slope-{slope}-dry": f"scenarios.slope:DRY_{slope}" for slope in (6, 9, 12, 18)},
     **{f"slope-{slope}-wet": f"scenarios.slope:WET_{slope}" for slope in (9, 18)},
     **{

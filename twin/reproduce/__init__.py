@@ -6,6 +6,7 @@ Each is a function `rows(trials, jobs) -> list of rows` as `twin.rows` writes th
 REGISTRY: dict[str, str] = {
     "plough-field": "twin.reproduce.plough_field:rows",
     "gnss-mimu": "twin.reproduce.gnss_mimu:rows",
+    "cross-slope": "twin.reproduce.cross_slope:rows",
     "ima-pkf": "twin.reproduce.ima_pkf:rows",
     "ima-pkf-disturbed": "twin.reproduce.ima_pkf_disturbed:rows",
     "ima-pkf-field": "twin.reproduce.ima_pkf_field:rows",
@@ -15,6 +16,7 @@ REGISTRY: dict[str, str] = {
 ABOUT: dict[str, str] = {
     "plough-field": "ploughing at 15 to 30 cm: speed, slip, draft, roll, power (Fu et al.)",
     "gnss-mimu": "slip on three roads at 5 to 20 km/h by a four-state filter (Zhang 2018)",
+    "cross-slope": "sideslip across slopes, antennas open and masked (Liu et al. 2023)",
     "ima-pkf": "slip by swarm-adapted parallel Kalman filters in simulated signals (Fu et al.)",
     "ima-pkf-disturbed": "the same with five half-sine disturbances a trial",
     "ima-pkf-field": "the same from the twin's own sensors, ploughing at 15 to 30 cm",

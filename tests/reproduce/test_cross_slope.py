@@ -1,0 +1,94 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("cv2")
+
+from twin.registry import load
+from twin.reproduce import cross_slope, cross_slope_trial
+from twin.reproduce.cross_slope import CELLS, OWN, bound_sd_m, drive, error_rows, growth, total_rows
+from twin.reproduce.cross_slope_trial import Estimate, Trial
+
+
+def made(slope, soil, error_m=0.002, sd_m=0.002):
+    """Trials that slid as published and were estimated with an error of either sign."""
+    total = -cross_slope.PUBLISHED_M[slope, soil, False]
+    signs = np.tile([1.0, -1.0], 15)
+    return [
+        Trial(
+            total_m=total,
+            length_m=9.0,
+            time_s=9.0,
+            exit_heading_deg=-8.0,
+            estimates={
+                (method, masked): Estimate(told_m=total + s * error_m, true_m=total, sd_m=sd_m)
+                for method in (OWN, "other")
+                for masked in (False, True)
+            },
+        )
+        for s in signs
+    ]
+
+
+def by_name(rows, quantity, case=None):
+    return [r for r in rows if r["quantity"] == quantity and case in (None, r["case"])]
+
+
+def test_rows_hold_where_all_is_as_published_and_not_where_sd_or_error_lie():
+    cells = {cell: made(*cell) for cell in CELLS}
+    assert all(r["passed"] for r in total_rows(cells) if "passed" in r)
+    rows = error_rows(cells)
+    assert all(r["passed"] for r in by_name(rows, f"{OWN}: median error") if "passed" in r)
+    assert all(r["passed"] for r in by_name(rows, f"{OWN}: NEES"))
+    lying = error_rows({cell: made(*cell, error_m=0.03) for cell in CELLS})
+    assert not any(r["passed"] for r in by_name(lying, f"{OWN}: NEES"))
+    assert not any(r["passed"] for r in by_name(lying, f"{OWN}: median error") if "passed" in r)
+
+
+def test_the_bound_is_its_formula():
+    assert bound_sd_m(9.0, 9.0) == pytest.approx(
+        np.sqrt(
+            (0.6e-3 * np.sqrt(0.3)) ** 2
+            + (9.0 * 0.6e-3 / np.sqrt(1200) / 0.98) ** 2
+            + (0.35 * 4e-5 * 9.0) ** 2
+        )
+    )
+
+
+def test_growth_is_one_for_a_steady_slide():
+    along = np.linspace(0.0, 9.0, 100)
+    assert growth({"east_m": along, "sideslip_m": -0.03 * along}) == pytest.approx(1.0)
+    assert growth({"east_m": along, "sideslip_m": -np.sqrt(along)}) < 0.6
+
+
+def test_true_totals_of_the_sweep_grow_with_the_slope():
+    totals = [
+        abs(drive(load("scenario", f"slope-{s}-dry"))["sideslip_m"][-1])
+        for s in cross_slope.SWEEP_DEG
+    ]
+    assert np.all(np.diff(totals) > 0.03)
+    assert totals[3] / totals[1] == pytest.approx(cross_slope.RATIO, rel=cross_slope.RATIO_WITHIN)
+
+
+@pytest.mark.slow
+def test_a_drive_is_estimated_open_and_masked(monkeypatch):
+    named = load("scenario", "slope-18-wet")
+    camera = replace(named.sensors.camera, binning=8)
+    short = replace(
+        named,
+        course=replace(named.course, calibration_m=5.0, length_m=2.5),
+        sensors=replace(named.sensors, camera=camera),
+    )
+    real = cross_slope_trial.load
+    monkeypatch.setattr(
+        cross_slope_trial, "load", lambda kind, n: short if kind == "scenario" else real(kind, n)
+    )
+    found = cross_slope_trial.trial("slope-18-wet", 3, 18.0)
+    assert found.total_m < -0.1
+    for masked in (False, True):
+        own = found.estimates[OWN, masked]
+        assert own.true_m == pytest.approx(found.total_m, abs=0.01)
+        assert own.relative < 0.08
+        assert abs(own.error_m) < 4 * own.sd_m + 1e-3
+        assert found.estimates["GNSS chain as printed", masked].told_m == pytest.approx(0, abs=1e-9)
