@@ -7,6 +7,8 @@ because the machine's other work only ever adds time.
 from __future__ import annotations
 
 import resource
+import statistics
+import subprocess
 import sys
 import tempfile
 import time
@@ -18,14 +20,19 @@ from typing import Any
 
 import mujoco
 
-from twin import runfolder
+from twin import runfolder, sensors
+from twin.camera.tracking import ODOMETRY
 from twin.commands.run import Options, execute
-from twin.machine.build import build
+from twin.lookup import attribute
+from twin.machine.build import Machine, build
 from twin.machine.files import model_path
+from twin.machine.geometry import geometry
 from twin.machine.simulate import Cab
 from twin.registry import load
 from twin.rows import row
+from twin.run import sense
 from twin.scenario import Course, Field, Scenario, Soil
+from twin.streams import Streams
 
 STRETCHES, STEPS = 60, 200
 NO_SENSORS = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
@@ -33,7 +40,7 @@ NO_SENSORS = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
 
 def rows() -> list[dict[str, Any]]:
     """All measurements, as rows with their bounds."""
-    return [*step_rows(), *run_rows()]
+    return [*step_rows(), *run_rows(), *camera_rows()]
 
 
 def step_rows() -> list[dict[str, Any]]:
@@ -114,3 +121,77 @@ def run_rows() -> list[dict[str, Any]]:
         row(case, "wall time", wall_s, "s"),
         row(case, "peak memory", peak_mb, "MB", high=700.0),
     ]
+
+
+CAMERA_RUN = "slope-9-dry"
+FRAME_MS = 15.0
+MEMORY_OF = """
+import resource, sys
+from twin.bench import whole_frames
+from twin.machine.build import build
+from twin.run import sense
+sense(build(whole_frames(float(sys.argv[1]))), ("rl", "rr"), lambda fraction: None)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+
+
+def whole_frames(calibration_m: float, odometry: str = "phase-ecc") -> Scenario:
+    """A run on the platform whose camera gives every pixel: 1280 x 800 at 30 frames/s."""
+    named: Scenario = load("scenario", CAMERA_RUN)
+    camera = named.sensors.camera
+    assert camera is not None
+    whole = replace(camera, binning=1, odometry=odometry)
+    return replace(
+        named,
+        course=replace(named.course, calibration_m=calibration_m),
+        sensors=replace(named.sensors, camera=whole),
+    )
+
+
+def camera_rows() -> list[dict[str, Any]]:
+    """Pace of drawing and odometry together, time of odometry alone, and memory."""
+    machine = build(whole_frames(0.0))
+    _sense(replace(machine, scenario=replace(machine.scenario, course=Course(length_m=1.0))))
+    start = time.perf_counter()
+    simulated_s = _sense(machine)
+    wall_s = time.perf_counter() - start
+    short_mb, long_mb = (_peak_mb(calibration_m) for calibration_m in (0.0, 20.0))
+    case = f"{CAMERA_RUN}, camera of 1280 x 800 at 30 frames/s"
+    return [
+        row(case, "simulated time per wall time", simulated_s / wall_s, "1", low=1.0),
+        row(case, "odometry of a frame", _odometry_ms(), "ms", high=FRAME_MS),
+        row(case, "peak memory", long_mb, "MB", high=1000.0),
+        row(case, "peak memory over that of a fifth as long a run", long_mb / short_mb, "1",
+            high=1.1),
+    ]  # fmt: skip
+
+
+def _sense(machine: Machine) -> float:
+    """Drive a machine with its sensors; the time driven [s]."""
+    _, true = sense(machine, ("rl", "rr"), lambda fraction: None)
+    return float(true["epoch_ns"][-1] - true["epoch_ns"][0]) * 1e-9
+
+
+def _odometry_ms() -> float:
+    """Median time of a frame's odometry, the frames drawn before."""
+    machine = build(whole_frames(0.0, odometry="none"))
+    short = replace(machine.scenario, course=Course(length_m=2.0))
+    streams, _ = sense(replace(machine, scenario=short), ("rl", "rr"), lambda fraction: None)
+    drawn = {} if streams.frames is None else {n: streams.frames[n] for n in streams.frames}
+    seen = Streams({n: streams[n] for n in ("camera", "imu")}, drawn)
+    odometry = attribute("odometry", ODOMETRY)
+    setup = sensors.setup(machine.scenario.sensors, geometry(machine))
+    state, times = odometry.init(setup, "phase-ecc"), []
+    for chunk in seen.chunks(1):
+        start = time.perf_counter()
+        state, table = odometry.run(state, chunk)
+        if len(table["epoch_ns"]):
+            times.append(time.perf_counter() - start)
+    return 1e3 * statistics.median(times)
+
+
+def _peak_mb(calibration_m: float) -> float:
+    """Most memory of a process of its own that drives the run [MB]."""
+    command = [sys.executable, "-c", MEMORY_OF, str(calibration_m)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return float(done.stdout) / (1e6 if sys.platform == "darwin" else 1e3)
