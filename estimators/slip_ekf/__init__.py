@@ -43,27 +43,29 @@ class SlipEkf:
     than the tests'.
     """
 
-    jerk_psd: float = 0.15
+    jerk_psd: float = 0.2
     """Density of the white jerk [m2/s5]."""
     accel_tau: float = 10.0
     """Time over which an acceleration is forgotten [s]."""
-    slip_psd: float = 0.004
+    slip_psd: float = 0.003
     """Density of the white noise on the slip's rate [1/s3]."""
+    measured_slip_psd: float = 0.3
+    """What is added to it where the wheels have accelerometers, which need no model of slip."""
     slip_tau: float = 200.0
     """Time over which a slip rate is forgotten [s]."""
     usual_tau: float = 3.0
     """Time in which slip comes back to what it usually is [s]."""
     usual_psd: float = 2e-5
     """Density of the walk of that [1/s]."""
-    swing_sd: float = 0.003
+    swing_sd: float = 0.002
     """sd of the slip that comes of pitching."""
-    swing_hz: float = 2.3
+    swing_hz: float = 1.8
     """Frequency of that; 1.5-4 Hz for a tractor on its tyres [Hz]."""
-    swing_damping: float = 0.24
+    swing_damping: float = 0.2
     """Its damping ratio."""
     bias_sd: float = 0.3
     """sd of the accelerometer's bias beside the data sheet's: 2 degrees of mean pitch [m/s2]."""
-    bias_psd: float = 2e-05
+    bias_psd: float = 5e-6
     """Density of its walk, as the slope changes [m2/s5]."""
     gyro_bias_sd: float = 1e-3
     """sd of the pitch gyro's bias, 0.06 degrees per second [rad/s]."""
@@ -73,13 +75,13 @@ class SlipEkf:
     """Density of its walk [1/s]."""
     skid_sd: float = 0.02
     """sd of the towed wheels' error: radius, and skid under their motion resistance."""
-    skid_psd: float = 1e-08
+    skid_psd: float = 1e-9
     """Density of its walk [1/s]."""
-    quick_skid_sd: float = 0.004
+    quick_skid_sd: float = 0.003
     """sd of its quick part, as the load changes."""
-    quick_radius_sd: float = 0.002
+    quick_radius_sd: float = 0.001
     """sd of the driven radius's quick part."""
-    quick_tau: float = 0.13
+    quick_tau: float = 0.3
     """Correlation time of the quick parts [s]."""
     late_sd: float = 0.02
     """sd of the receiver's error in its own time stamps [s]."""

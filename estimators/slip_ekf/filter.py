@@ -57,7 +57,7 @@ TUNING = np.dtype(
     [
         (name, "f8")
         for name in (
-            "jerk_psd", "accel_tau", "slip_psd", "slip_tau", "usual_tau",
+            "jerk_psd", "accel_tau", "slip_psd", "measured_slip_psd", "slip_tau", "usual_tau",
             "usual_psd", "swing_sd", "swing_hz", "swing_damping", "bias_sd",
             "bias_psd", "gyro_bias_sd",
             "radius_sd", "radius_psd", "skid_sd", "skid_psd",
@@ -321,8 +321,13 @@ def _take_rear(
             accel += signal.wheel_accel_mps2[i]
             n += 1
     if n:
-        error = accel / n - model.wheel_accel_row(memory.x, tuning.usual_tau, h)
         dt = min(max((signal.epoch_ns - memory.rear_ns) * 1e-9, 0.0), 0.1)
+        psd = tuning.measured_slip_psd
+        grow(memory, DS, DS, psd * dt)
+        grow(memory, S, S, psd * dt**3 / 3.0)
+        grow(memory, S, DS, psd * dt * dt / 2.0)
+        grow(memory, DS, S, psd * dt * dt / 2.0)
+        error = accel / n - model.wheel_accel_row(memory.x, tuning.usual_tau, h)
         followed(memory, FROM_REAR, DS, S, dt, h, error, 0.06**2, 3.0)
 
 

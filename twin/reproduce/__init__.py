@@ -10,6 +10,7 @@ REGISTRY: dict[str, str] = {
     "ima-pkf": "twin.reproduce.ima_pkf:rows",
     "ima-pkf-disturbed": "twin.reproduce.ima_pkf_disturbed:rows",
     "ima-pkf-field": "twin.reproduce.ima_pkf_field:rows",
+    "slip-ekf": "twin.reproduce.slip_ekf:rows",
 }
 """Experiment -> "module:function"."""
 
@@ -20,4 +21,5 @@ ABOUT: dict[str, str] = {
     "ima-pkf": "slip by swarm-adapted parallel Kalman filters in simulated signals (Fu et al.)",
     "ima-pkf-disturbed": "the same with five half-sine disturbances a trial",
     "ima-pkf-field": "the same from the twin's own sensors, ploughing at 15 to 30 cm",
+    "slip-ekf": "slip-ekf on both, beside the smallest errors that sensors and motion allow",
 }
