@@ -51,11 +51,11 @@ class SlipEkf:
     """Density of the white noise on the slip's rate [1/s3]."""
     measured_slip_psd: float = 0.3
     """What is added to it where the wheels have accelerometers, which need no model of slip."""
-    slip_tau: float = 200.0
+    slip_tau: float = 1.0
     """Time over which a slip rate is forgotten [s]."""
     usual_tau: float = 3.0
     """Time in which slip comes back to what it usually is [s]."""
-    usual_psd: float = 2e-5
+    usual_psd: float = 5e-6
     """Density of the walk of that [1/s]."""
     swing_sd: float = 0.002
     """sd of the slip that comes of pitching."""
@@ -65,7 +65,7 @@ class SlipEkf:
     """Its damping ratio."""
     bias_sd: float = 0.3
     """sd of the accelerometer's bias beside the data sheet's: 2 degrees of mean pitch [m/s2]."""
-    bias_psd: float = 5e-6
+    bias_psd: float = 2e-5
     """Density of its walk, as the slope changes [m2/s5]."""
     gyro_bias_sd: float = 1e-3
     """sd of the pitch gyro's bias, 0.06 degrees per second [rad/s]."""

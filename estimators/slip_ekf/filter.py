@@ -51,6 +51,8 @@ from estimators.slip_ekf.noise import listen
 from estimators.slip_ekf.pitch import rate_now, turn, turned
 from estimators.slip_ekf.rows import followed, gated, grow, take
 
+RIM_TAU_S = 0.5
+"""Time over which the driven wheels' speed is averaged for the filter's gradients [s]."""
 FROM_GNSS, FROM_IMU, FROM_FRONT, FROM_REAR = range(4)
 
 TUNING = np.dtype(
@@ -122,7 +124,7 @@ def advance(epoch_ns: int, tuning: Record, memory: Record) -> None:
         memory.shift[:] = 0.0
         memory.cut[:] = 0
         memory.grown[:, :] = 0.0
-        model.carry(memory.x, memory.cov, dt, tuning)
+        model.carry(memory.x, memory.cov, memory.rim_mps, dt, tuning)
     memory.time_ns = max(memory.time_ns, epoch_ns)
 
 
@@ -207,12 +209,15 @@ def _take_wheels(
         return
     towed = model.front_row(memory.x, age, h)
     front, front_var, front_n = axle(wheels, sd, nominal, 0.0, towed, 0.0)
-    predicted = model.rear_row(memory.x, age, h)
+    predicted = model.rear_row(memory.x, memory.rim_mps, age, h)
     rear, rear_var, rear_n = axle(wheels, sd, nominal, 1.0, predicted, memory.apart_mps)
     if signal.one_driven_speed:
         rear_var *= rear_n
     if signal.one_towed_speed:
         front_var *= front_n
+    if np.isfinite(rear):
+        dt = min(max((signal.epoch_ns - memory.rear_ns) * 1e-9, 0.0), RIM_TAU_S)
+        memory.rim_mps += dt / RIM_TAU_S * (rear - memory.rim_mps)
     _stand(rear, front, h, memory)
     if signal.wheel_age_s.max() > 0.0:
         front += pitched / (2.0 * signal.wheel_age_s.max()) * radius(nominal, 1.0)
@@ -310,7 +315,7 @@ def _take_rear(
         followed(memory, FROM_REAR, REAR_TRAVEL, REAR_TRAVEL, 0.0, h, error, count_var, 5.0)
         _shift(memory, REAR_TRAVEL, -counted)
     else:
-        error = speed - model.rear_row(memory.x, age + tau, h)
+        error = speed - model.rear_row(memory.x, memory.rim_mps, age + tau, h)
         followed(memory, FROM_REAR, S, S, 0.0, h, error, variance, 5.0)
         if tau > 0.0:
             _restart(memory, REAR_TRAVEL, count_var)
@@ -387,15 +392,16 @@ def _begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: 
     if not np.isfinite(speed) or not np.isfinite(rear):
         return
     memory.known = 1
+    memory.rim_mps = rear
     memory.x[:] = 0.0
     memory.cov[:, :] = 0.0
     memory.x[V] = speed
     slow = max(abs(rear), abs(speed)) < 0.3
     if not slow:
-        larger = max(abs(rear), abs(speed))
-        memory.x[S] = max(-0.9, min(0.9, math.copysign(1.0, rear) * (rear - speed) / larger))
-    by_speed = 0.0 if slow else -1.0 / max(abs(rear), abs(speed)) * math.copysign(1.0, rear)
-    slip_var = 0.1**2 if slow else (rear_var + tuning.radius_sd**2 * rear**2) / rear**2
+        turning = math.copysign(max(abs(rear), 0.3), rear)
+        memory.x[S] = max(-2.0, min(0.9, 1.0 - speed / turning))
+    by_speed = 0.0 if slow else -1.0 / math.copysign(max(abs(rear), 0.3), rear)
+    slip_var = 0.1**2 if slow else (rear_var + tuning.radius_sd**2 * rear**2) / max(rear**2, 0.09)
     memory.cov[V, V] = variance
     memory.cov[V, S] = memory.cov[S, V] = by_speed * variance
     memory.cov[S, S] = slip_var + by_speed**2 * variance
@@ -446,12 +452,13 @@ def report(row: Record, signal: Record, nominal: Record, tuning: Record, memory:
     if not memory.known:
         return
     x, p = memory.x, memory.cov
-    ratio = model.gearing(model.slip_of(x))[0]
+    ratio = model.gearing(model.slip_of(x))
     # the driveline turns with the body: over the ground the wheels turn by its pitching more
     wheel = x[V] * ratio + radius(nominal, 1.0) * rate_now(memory)
     row.speed_mps, row.wheel_speed_mps = x[V], wheel
     row.slip = (wheel - x[V]) / max(abs(wheel), abs(x[V]), SLOW_MPS)
-    row.slip_sd = math.sqrt(max(model.slip_var(p), 0.0))
+    # of a braked wheel w / v - 1 is reported, which changes by (w / v)^2 of 1 - v / w
+    row.slip_sd = math.sqrt(max(model.slip_var(p), 0.0)) * min(1.0, ratio * ratio)
     across = 0.5 * signal.yaw_rate_radps * nominal.track_rear_m
     for side, at in ((-1.0, 2), (1.0, 3)):
         rim = wheel + side * 0.5 * memory.apart_mps

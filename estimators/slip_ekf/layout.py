@@ -53,6 +53,7 @@ MEMORY = np.dtype(
         ("accel_count", "i8"),
         ("accel_var", "f8"),
         ("apart_mps", "f8"),
+        ("rim_mps", "f8"),
         ("gyro_y", "f8"),
         ("gyro_y_known", "i8"),
         ("pitch_rad", "f8"),
@@ -73,6 +74,7 @@ MEMORY = np.dtype(
 `grown` say what else than a measurement changed the state since the last prediction: what was
 added to the mean, which states began anew, what was added to the covariance. `first_*` is the
 ground speed before the filter has begun, `accel` the last two accelerations and `accel_var` the
-variance of their noise, `apart` the driven wheels' speeds right less left, `pitch_*` how the body
+variance of their noise, `apart` the driven wheels' speeds right less left, `rim` their
+mean, averaged over some tenths of a second, `pitch_*` how the body
 has turned nose down, and had at the last wheel sample, `travelled` the way since sideslip is
 summed; `nis_*` and `refused` count for GNSS, IMU, front and rear, in this order."""

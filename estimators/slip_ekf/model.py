@@ -7,8 +7,13 @@
     d rear travel  = w (1 + radius + quick radius) dt,   w = v / (1 - slip)
     d front travel = v (1 + skid + quick skid) dt
 
-A wheel that turns slower than the ground passes (slip < 0) has w = v (1 + slip): the two
-definitions of slip that the denominator max(|w|, |v|) joins, with one value and one slope at 0.
+Inside the filter slip is 1 - v / w on both sides of 0, which for a braked wheel is not the reported
+(w - v) / max(|w|, |v|): so v + w slip = w stays one straight line, along which a filter that has
+nothing but the wheels' counts must stay uncertain. For the same reason its direction is taken from
+the counted speed, averaged (`rim`), and not from the estimates: a direction that trembles with them
+tells the filter, wrongly, where on the line it is (Huang, Mourikis and Roumeliotis 2010, on the
+consistency of the EKF).
+
 Tractors on tyres pitch at 2 to 3 Hz without suspension, and slip with the forces that come of it.
 """
 
@@ -41,17 +46,14 @@ from estimators.slip_ekf.layout import (
     V,
 )
 
-LARGEST_SLIP = 0.97
-"""Slip is kept below this, so that the wheel's speed stays finite."""
+LARGEST_SLIP, LEAST_SLIP = 0.97, -20.0
+"""Slip is kept between these, so that the wheel's speed stays finite."""
 
 
 @compiled
-def gearing(slip: float) -> tuple[float, float]:
-    """w / v and its derivative with respect to slip: 1/(1-s), 1/(1-s)^2; 1+s, 1 where s < 0."""
-    if slip < 0.0:
-        return 1.0 + max(slip, -LARGEST_SLIP), 1.0
-    grip = 1.0 - min(slip, LARGEST_SLIP)
-    return 1.0 / grip, 1.0 / grip**2
+def gearing(slip: float) -> float:
+    """w / v = 1 / (1 - slip)"""
+    return 1.0 / (1.0 - min(max(slip, LEAST_SLIP), LARGEST_SLIP))
 
 
 @compiled
@@ -118,24 +120,25 @@ def _fade(x: Array, p: Array, i: int, by: float, variance: float) -> None:
 
 
 @compiled
-def carry(x: Array, p: Array, dt: float, tuning: Record) -> None:
+def carry(x: Array, p: Array, rim: float, dt: float, tuning: Record) -> None:
     """Predict over a step. The couplings are few, so P <- F P F^T goes row by row.
 
     Args:
         x: mean, (SIZE,), changed in place.
         p: covariance, (SIZE, SIZE), changed in place.
+        rim: counted speed of the driven wheels, averaged [m/s].
         dt: the step [s].
         tuning: record of `filter.TUNING`.
     """
     half = 0.5 * dt
     v = x[V] + half * x[A]
     s = slip_of(x) + half * (x[DS] + x[SWING_RATE])
-    ratio, slope = gearing(s)
+    ratio = gearing(s)
     driven = 1.0 + x[RADIUS] + x[QUICK_RADIUS]
     towed = 1.0 + x[SKID] + x[QUICK_SKID]
     row = np.zeros(SIZE)
     row[V], row[A] = dt * ratio * driven, dt * half * ratio * driven
-    row[S], row[DS] = dt * v * slope * driven, dt * half * v * slope * driven
+    row[S], row[DS] = dt * rim * ratio * driven, dt * half * rim * ratio * driven
     row[SWING], row[SWING_RATE] = row[S], row[DS]
     row[RADIUS] = row[QUICK_RADIUS] = dt * v * ratio
     _mix(p, REAR_TRAVEL, row)
@@ -157,7 +160,7 @@ def carry(x: Array, p: Array, dt: float, tuning: Record) -> None:
     x[REAR_TRAVEL] += dt * v * ratio * driven
     x[FRONT_TRAVEL] += dt * v * towed
     x[V] += dt * x[A]
-    x[S] = max(-LARGEST_SLIP, min(LARGEST_SLIP, x[S] + dt * x[DS] + back * (x[USUAL] - x[S])))
+    x[S] = max(LEAST_SLIP, min(LARGEST_SLIP, x[S] + dt * x[DS] + back * (x[USUAL] - x[S])))
     _swing(x, p, dt, tuning)
     _fade(x, p, A, math.exp(-dt / tuning.accel_tau), 0.0)
     _fade(x, p, DS, math.exp(-dt / tuning.slip_tau), 0.0)
@@ -192,15 +195,15 @@ def ground_row(x: Array, age: float, h: Array) -> float:
 
 
 @compiled
-def rear_row(x: Array, age: float, h: Array) -> float:
+def rear_row(x: Array, rim: float, age: float, h: Array) -> float:
     """Speed of the driven wheels as their nominal radius gives it, `age` ago."""
     h[:] = 0.0
     v = x[V] - age * x[A]
     s = slip_of(x) - age * (x[DS] + x[SWING_RATE])
-    ratio, slope = gearing(s)
+    ratio = gearing(s)
     scale = 1.0 + x[RADIUS] + x[QUICK_RADIUS]
     h[V], h[A] = ratio * scale, -age * ratio * scale
-    h[S], h[DS] = v * slope * scale, -age * v * slope * scale
+    h[S], h[DS] = rim * ratio * scale, -age * rim * ratio * scale
     h[SWING], h[SWING_RATE] = h[S], h[DS]
     h[RADIUS] = h[QUICK_RADIUS] = v * ratio
     return float(v * ratio * scale)
@@ -222,8 +225,8 @@ def wheel_accel_row(x: Array, usual_tau: float, h: Array) -> float:
     h[:] = 0.0
     slip = slip_of(x)
     rate = x[DS] + x[SWING_RATE] + (x[USUAL] - x[S]) / usual_tau
-    ratio, slope = gearing(slip)
-    steeper = 2.0 * slope * ratio if slip >= 0.0 else 0.0
+    ratio = gearing(slip)
+    slope, steeper = ratio**2, 2.0 * ratio**3
     h[V], h[A] = slope * rate, ratio
     h[S] = h[SWING] = x[A] * slope + x[V] * steeper * rate
     h[DS] = h[SWING_RATE] = x[V] * slope

@@ -143,8 +143,8 @@ def _transition(x: Array, dt: float, tuning: Record) -> Array:
         up, down = x.copy(), x.copy()
         up[j] += NUDGE
         down[j] -= NUDGE
-        model.carry(up, unused, dt, tuning)
-        model.carry(down, unused, dt, tuning)
+        model.carry(up, unused, 0.0, dt, tuning)
+        model.carry(down, unused, 0.0, dt, tuning)
         f[:, j] = (up - down) / (2.0 * NUDGE)
     return f
 
@@ -204,7 +204,7 @@ def _estimates(
     speed = track.after[at, V]
     slips = np.array([model.slip_of(x) for x in track.after[at]])
     variance = np.array([model.slip_var(p) for p in track.after_cov[at]])
-    ratios = np.array([model.gearing(s)[0] for s in slips])
+    ratios = np.array([model.gearing(s) for s in slips])
     rim = speed * ratios + radius(nominal, 1.0) * _pitch_rate(chunk, table["epoch_ns"])
     slip = (rim - speed) / np.maximum(np.maximum(np.abs(rim), np.abs(speed)), SLOW_MPS)
     v_y, v_y_var = _across(samples, table["epoch_ns"], float(tuning["v_y_psd"]))
@@ -216,7 +216,7 @@ def _estimates(
         "speed_mps": speed,
         "wheel_speed_mps": rim,
         "slip": slip,
-        "slip_sd": np.sqrt(np.maximum(variance, 0.0)),
+        "slip_sd": np.sqrt(np.maximum(variance, 0.0)) * np.minimum(1.0, ratios**2),
     }
     across = {
         "v_y_mps": v_y_cg,

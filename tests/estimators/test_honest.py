@@ -11,6 +11,7 @@ from estimators.four_state import FourState, white_jerk
 from estimators.four_state_printed import FourStatePrinted
 from estimators.parallel_kf import KF_TUNED, KF_Z2
 from estimators.ratio import RATIO, RATIO_FRONT
+from estimators.slip_ekf import SLIP_EKF
 from twin.streams import ImuSetup, Streams
 
 IMU = ImuSetup(
@@ -153,3 +154,24 @@ def test_kf_tuned():
         front_offset_psd_m2ps3=0.0,
     )
     assert_consistent(nees_of_parallel(estimator, 20.0, 100, 150, bias_sd=0.3))
+
+
+def test_with_nothing_but_driven_counters_the_slip_filter_knows_that_it_knows_little():
+    """A minute after the last ground speed: errors as large as it says, over ten seeds.
+
+    Counts tell v and slip on one line; gradients that trembled along it once told a place on it.
+    """
+    ratios = []
+    for seed in range(10):
+        drive = synthetic.Drive(
+            duration_s=90.0, speed=lambda t: 1.5 + 0 * t, slip=lambda t: 0.15 + 0 * t
+        )
+        measured = synthetic.streams(drive, SETUP, seed=seed)
+        seen = measured["gnss"]["epoch_ns"] < 31_000_000_000
+        gnss = {name: column[seen] for name, column in measured["gnss"].items()}
+        wheels = {n: c for n, c in measured["wheels"].items() if n not in ("ticks_fl", "ticks_fr")}
+        blind = Streams({**measured.tables, "gnss": gnss, "wheels": wheels})
+        table = SLIP_EKF.run(SLIP_EKF.init(SETUP), blind)[1]
+        assert 0.03 < table["slip_sd"][-1] < 0.2
+        ratios.append((table["slip"][-1] - 0.15) / table["slip_sd"][-1])
+    assert np.sqrt(np.mean(np.square(ratios))) < 1.9  # 99.9 % of chi-square with ten
