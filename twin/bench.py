@@ -1,4 +1,4 @@
-"""What `twin bench` measures: time of a physics step, speed and memory of a whole run.
+"""What `twin bench` measures: a physics step, speed and memory of a whole run, a study's speed.
 
 Compared figures are measured in turn in one process, and the best of many short stretches counts,
 because the machine's other work only ever adds time.
@@ -29,6 +29,7 @@ from twin.machine.files import model_path
 from twin.machine.geometry import geometry
 from twin.machine.simulate import Cab
 from twin.registry import load
+from twin.reproduce import ima_pkf_speed
 from twin.rows import row
 from twin.run import sense
 from twin.scenario import Course, Field, Scenario, Soil
@@ -40,7 +41,7 @@ NO_SENSORS = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
 
 def rows() -> list[dict[str, Any]]:
     """All measurements, as rows with their bounds."""
-    return [*step_rows(), *run_rows(), *camera_rows()]
+    return [*step_rows(), *run_rows(), *camera_rows(), *ima_pkf_speed.rows()]
 
 
 def step_rows() -> list[dict[str, Any]]:
