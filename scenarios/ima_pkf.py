@@ -75,7 +75,7 @@ def simulate(trial: Trial) -> Signals:
         off["front"] = np.zeros_like(time)
     bias, wheel_bias = trial.accel_bias_sd_mps2 * bias_rng.standard_normal(2)
     noise = {name: noise_rng.standard_normal(time.shape) for name in SD}
-    sd = {name: _sd(trial, name, w if name == "rear" else v) for name in SD}
+    sd = {name: noise_sd(trial, name, w if name == "rear" else v) for name in SD}
     rear_accel = slope(wheel, time) + wheel_bias + sd["rear_accel"] * noise["rear_accel"]
     return Signals(
         time_s=time,
@@ -90,7 +90,8 @@ def simulate(trial: Trial) -> Signals:
     )
 
 
-def _sd(trial: Trial, name: str, speed_mps: Array) -> Array:
+def noise_sd(trial: Trial, name: str, speed_mps: Array) -> Array:
+    """Standard deviation of a signal's noise at the true speeds it has. Shape (n,)."""
     printed = np.full_like(speed_mps, SD[name])
     proportional = trial.noise == "proportional" and not name.endswith("accel")
     return SHARE * speed_mps if proportional else printed

@@ -54,7 +54,7 @@ def slip(truth: Table | None, estimates: Estimates, window: tuple[float, float] 
         _limits(axes, [*_columns(truth, estimates, "slip")], 100.0)
         axes.set(xlabel="time [s]", ylabel="slip [%]")
 
-    return _svg("Slip of the driven axle over time", draw)
+    return svg("Slip of the driven axle over time", draw)
 
 
 def histogram(truth: Table, estimates: Estimates, window: tuple[float, float]) -> str:
@@ -79,7 +79,7 @@ def histogram(truth: Table, estimates: Estimates, window: tuple[float, float]) -
         axes.axvline(0.0, color=TRUTH_COLOUR, lw=0.8)
         axes.set(xlabel="estimate - truth [% slip]", ylabel="density")
 
-    return _svg("Distribution of the slip error", draw)
+    return svg("Distribution of the slip error", draw)
 
 
 def sideslip(truth: Table | None, estimates: Estimates) -> str:
@@ -93,7 +93,7 @@ def sideslip(truth: Table | None, estimates: Estimates) -> str:
         _line(axes, truth, "sideslip_m", "truth", TRUTH_COLOUR, width=1.4)
         axes.set(xlabel="time [s]", ylabel="sideslip [m]")
 
-    return _svg("Sideslip at the centre of gravity over time", draw)
+    return svg("Sideslip at the centre of gravity over time", draw)
 
 
 def path(truth: Table | None, streams: Streams) -> str:
@@ -113,7 +113,7 @@ def path(truth: Table | None, streams: Streams) -> str:
         axes.set(xlabel="east [m]", ylabel="north [m]")
         _widen(axes)
 
-    return _svg("Path, east and north", draw)
+    return svg("Path, east and north", draw)
 
 
 def draft(truth: Table | None) -> str:
@@ -128,7 +128,7 @@ def draft(truth: Table | None) -> str:
         upper.set(ylabel="draft [kN]")
         lower.set(xlabel="time [s]", ylabel="depth [cm]")
 
-    return _svg("Draft and depth of ploughing over time", draw, rows=2)
+    return svg("Draft and depth of ploughing over time", draw, rows=2)
 
 
 def speeds(truth: Table | None, estimates: Estimates) -> str:
@@ -142,7 +142,7 @@ def speeds(truth: Table | None, estimates: Estimates) -> str:
         _line(axes, truth, "speed_mps", "ground, truth", TRUTH_COLOUR, width=1.4)
         axes.set(xlabel="time [s]", ylabel="speed [m/s]")
 
-    return _svg("Speeds over time", draw)
+    return svg("Speeds over time", draw)
 
 
 def thinned(table: Table, most: int = MOST_POINTS) -> Table:
@@ -215,7 +215,7 @@ def _finite(values: Array) -> Array:
     return values[np.isfinite(values)]
 
 
-def _svg(title: str, draw: Callable[..., None], rows: int = 1) -> str:
+def svg(title: str, draw: Callable[..., None], rows: int = 1) -> str:
     """Draw into a fresh figure and give it as an SVG element with a title for screen readers."""
     with _style():
         figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN * (1.0 + 0.5 * (rows - 1))))
@@ -228,10 +228,10 @@ def _svg(title: str, draw: Callable[..., None], rows: int = 1) -> str:
         text = io.StringIO()
         metadata = {"Date": None, "Creator": None, "Format": None, "Type": None}
         figure.savefig(text, format="svg", metadata=metadata, transparent=True)
-    svg = text.getvalue()
-    svg = svg[svg.index("<svg") :]
+    element = text.getvalue()
+    element = element[element.index("<svg") :]
     label = f'<svg role="img" aria-label="{title}" class="figure" '
-    return svg.replace("<svg ", label, 1)
+    return element.replace("<svg ", label, 1)
 
 
 def _legend(axes: Axes) -> None:

@@ -118,7 +118,7 @@ def _headline(scores: Mapping[str, Any]) -> str:
         "Errors are estimate minus truth at the same epoch. Coverage is the share of slip errors "
         "within ±2 of the reported standard deviation (95.4 % when honest)."
     )
-    return f'<h2>Scores</h2>{_table(HEADERS, rows)}<p class="soft">{note}</p>'
+    return f'<h2>Scores</h2>{table(HEADERS, rows)}<p class="soft">{note}</p>'
 
 
 def _found(scores: Mapping[str, Any]) -> str:
@@ -186,10 +186,11 @@ def _versions() -> str:
     return ", ".join(found)
 
 
-def _table(headers: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+def table(headers: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """A table as HTML; its cells are text."""
     head = "".join(f"<th>{html.escape(h)}</th>" for h in headers)
     body = "".join(
         "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
     )
-    table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-    return f'<div class="wide">{table}</div>'
+    lines = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    return f'<div class="wide">{lines}</div>'

@@ -14,6 +14,13 @@ REGISTRY: dict[str, str] = {
 }
 """Experiment -> "module:function"."""
 
+STORIES: dict[str, str] = {
+    "ima-pkf": "twin.reproduce.ima_pkf_story:clean",
+    "ima-pkf-disturbed": "twin.reproduce.ima_pkf_story:disturbed",
+    "ima-pkf-field": "twin.reproduce.ima_pkf_story:field",
+}
+"""Experiment -> "module:function" that makes a `story.Story` of its rows."""
+
 ABOUT: dict[str, str] = {
     "plough-field": "ploughing at 15 to 30 cm: speed, slip, draft, roll, power (Fu et al.)",
     "gnss-mimu": "slip on three roads at 5 to 20 km/h by a four-state filter (Zhang 2018)",

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from scenarios.ima_pkf import Trial, simulate
+from scenarios.ima_pkf import Trial, noise_sd, simulate
 from scenarios.ima_pkf_signals import RATE_HZ, SD
 from twin.reproduce.ima_pkf_methods import READINGS, adaptive, beside
 from twin.reproduce.ima_pkf_rows import measured, promises
@@ -29,7 +29,7 @@ PUBLISHED = {
     "MA-PKF": {"MAE": 0.0348, "RMSE": 0.0423},
     "IMA-PKF": {"MAE": 0.0202, "RMSE": 0.0214},
 }
-FIRST_SEED = 100
+FIRST_SEED = 1000
 """Seeds below it were looked at when the faithful reading was chosen."""
 
 
@@ -39,19 +39,24 @@ def rows(trials: int = 30, jobs: int = 1) -> Rows:
     out: Rows = []
     for track in ("medium", "smooth", "rough"):
         cases = [Trial(seed=seed, track=track) for seed in seeds]
+        case = f"{track}, faithful"
         found = study(cases, beside(biased=False) | adaptive(), jobs)
-        published = PUBLISHED if track == "medium" else {}
-        out += [*measured(f"{track}, faithful", found, published), floor(f"{track}", cases)]
+        out += [*measured(case, found, PUBLISHED if track == "medium" else {}), floor(case, cases)]
         if track == "medium":
-            out += promises(f"{track}, faithful", found, PUBLISHED["IMA-PKF"]["RMSE"])
-    cases = [Trial(seed=seed, noise="proportional") for seed in seeds]
-    out += measured("medium, noise 5 % of each value", study(cases, adaptive(), jobs), {})
+            out += promises(case, found, PUBLISHED["IMA-PKF"]["RMSE"])
+    cases, case = [Trial(seed=s, noise="proportional") for s in seeds], "medium, noise 5 %"
+    found = study(cases, beside(biased=False) | adaptive(), jobs)
+    out += [*measured(case, found, {}), floor(case, cases)]
+    case = "medium, no wheel accelerometer, biased body's"
     cases = [Trial(seed=seed, wheel_accel=False, accel_bias_sd_mps2=0.1) for seed in seeds]
-    found = study(cases, beside(biased=True) | adaptive(), jobs)
-    out += measured("medium, no wheel accelerometer, biased body's", found, {})
+    out += measured(case, study(cases, beside(biased=True) | adaptive(), jobs), {})
+    out.append(floor(case, cases) | {"quantity": "RMSE, closed-form floor had it both unbiased"})
     cases = [Trial(seed=seed) for seed in seeds]
+    others = study(cases, beside(biased=False), jobs)
     for name, changes in READINGS.items():
-        out += measured(f"medium, {name}", study(cases, adaptive(**changes), jobs), {})
+        case = f"medium, {name}"
+        out += measured(case, others | study(cases, adaptive(**changes), jobs), {})
+        out.append(floor(case, cases))
     return out
 
 
@@ -64,11 +69,12 @@ def floor(case: str, trials: list[Trial]) -> dict[str, Any]:
     Source: Riccati equation of a speed measured beside its noisy derivative, dt -> 0; sigma_v is
     that of both ground speeds together.
     """
-    sd_v = (SD["front"] ** -2 + SD["gnss"] ** -2) ** -0.5
-    var_v, var_w = (sd * SD["accel"] / RATE_HZ for sd in (sd_v, SD["rear"]))
     values = []
     for trial in trials:
         signals = simulate(trial)
         v, w = signals.ground_mps, signals.wheel_mps
+        sd_v = (noise_sd(trial, "front", v) ** -2 + noise_sd(trial, "gnss", v) ** -2) ** -0.5
+        sd_w = noise_sd(trial, "rear", w)
+        var_v, var_w = (sd * SD["accel"] / RATE_HZ for sd in (sd_v, sd_w))
         values.append(float(np.sqrt(np.mean((v / w**2) ** 2 * var_w + var_v / w**2))))
     return row(case, "RMSE, closed-form floor", mean_and_interval(values)[0], "1")

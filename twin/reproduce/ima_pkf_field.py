@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from joblib import Parallel, delayed
 
 from twin.registry import load
@@ -18,6 +19,7 @@ from twin.reproduce.ima_pkf_trials import mean_and_interval
 from twin.rows import row
 from twin.run import run
 from twin.scores import score
+from twin.streams import Setup, Table
 
 Rows = list[dict[str, Any]]
 
@@ -29,6 +31,8 @@ ESTIMATORS = {
     "PSO-PKF": "pso-pkf",
     "MA-PKF": "ma-pkf",
     "IMA-PKF": "ima-pkf",
+    "IMA-PKF, log box": "ima-pkf-log",
+    "offline smoother": "estimators.smoother:SMOOTHER",
 }
 REDUCTIONS = {
     15: {"MAE": 0.3395, "RMSE": 0.3467},
@@ -40,6 +44,8 @@ REDUCTIONS = {
 LARGEST = 0.0194
 """Published largest error of slip."""
 KEYS = {"MAE": "mae", "RMSE": "rmse", "max": "max", "bias": "bias"}
+
+FLOOR = "closed-form floor, unbiased"
 
 Scores = dict[str, dict[str, float]]
 
@@ -63,10 +69,27 @@ def plough(depth_cm: int, seed: int) -> Scores:
     estimators = {name: load("estimator", key) for name, key in ESTIMATORS.items()}
     done = run(scenario, estimators=estimators)
     scored = score(done.truth, done.estimates, scenario=scenario.name, seed=seed)["estimators"]
-    return {
+    errors = {
         name: {key: float(scored[name]["slip"][field]) for key, field in KEYS.items()}
         for name in ESTIMATORS
     }
+    return errors | {FLOOR: {"RMSE": floor(done.setup, done.truth)}}
+
+
+def floor(setup: Setup, truth: Table) -> float:
+    """The least slip RMSE of a causal filter of GNSS speed and acceleration, wheels known.
+
+    P_v = sigma_v n_a / sqrt(rate of GNSS),  var s = P_v / w^2
+
+    Source: as the closed form of the signals' simulation, with the accelerometer's noise as a
+    density n_a; unbiased, level and without vibration, so that no filter comes near.
+    """
+    assert setup.gnss is not None
+    assert setup.imu is not None
+    noise = setup.imu.accel_noise_mps2_rthz
+    var_v = setup.gnss.velocity_sd_mps * noise / setup.gnss.rate_hz**0.5
+    wheel = truth["wheel_speed_mps"][truth["ploughing"].astype(bool)]
+    return float(np.sqrt(np.mean(var_v / wheel**2)))
 
 
 def _errors(case: str, scores: list[Scores]) -> Rows:
@@ -78,6 +101,7 @@ def _errors(case: str, scores: list[Scores]) -> Rows:
         largest = max(each[name]["max"] for each in scores)
         published = LARGEST if name == "IMA-PKF" else None
         out.append(row(case, f"max, {name}", largest, "1", published=published))
+    out.append(row(case, f"RMSE, {FLOOR}", float(np.mean([s[FLOOR]["RMSE"] for s in scores])), "1"))
     return out
 
 

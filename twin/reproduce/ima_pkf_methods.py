@@ -3,7 +3,8 @@
 The paper prints neither the box that Q and R are sought in, nor its encoding, nor P at the start,
 nor the time between searches. The faithful reading is the plainest: variances in a wide linear
 box, Q from 1e-6 to 1e-2 and R from 0.1 to 4 times the printed one, C growing from the start, a
-search every five samples. The others stand beside it.
+search every five samples. The others stand beside it, whatever they give. Of those looked at it is
+the one that comes nearest to all published figures at once; it was chosen on other seeds.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ READINGS: dict[str, dict[str, Any]] = {
     "variances, Q to 1e-3, R x 0.1-10": {
         "process_var": (1e-6, 1e-3), "measurement_factor": (0.1, 10.0),
     },
+    "variances, Q to 3e-3": {"process_var": (1e-6, 3e-3)},
+    "variances, R x 0.01-10": {"measurement_factor": (0.01, 10.0)},
     "variances, R no less than printed": {"measurement_factor": (1.0, 4.0)},
     "deviations, Q to 1e-2, R x 0.1-10": {
         "encoding": "sd", "process_var": (1e-6, 1e-2), "measurement_factor": (0.1, 10.0),

@@ -1,0 +1,149 @@
+"""What the IMA-PKF paper's simulations have to say: which figures are reached, where, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from itertools import pairwise
+from typing import Any
+
+from scenarios.ima_pkf import Trial
+from twin.registry import load
+from twin.report.figures import thinned
+from twin.reproduce import ima_pkf_figures as figures
+from twin.reproduce.ima_pkf import FIRST_SEED
+from twin.reproduce.ima_pkf_field import DEPTHS_CM, ESTIMATORS
+from twin.reproduce.ima_pkf_rows import ORDER
+from twin.reproduce.story import Story
+from twin.run import run
+
+Rows = Sequence[Mapping[str, Any]]
+
+LAST, FAITHFUL = ORDER[-1], "medium, faithful"
+WHY_CLEAN = (
+    "Why: the fitness sees four sums of an element of Q and one of R, so the box and its encoding, "
+    "not the optimiser, say how each sum is shared out, and with it how much the filter smooths; "
+    "the rows of other boxes show every order of the three. The KF's error is that of the raw "
+    "ratio, and the published RMSE of the IMA-PKF is about that of the same filter with Q = 1e-3 I "
+    "and no optimiser. A KF that is told the printed noise comes three times as close, to the "
+    "closed-form floor sigma_v sigma_a dt; that floor rests on an unbiased accelerometer and one "
+    "more on the wheels, which no tractor has: without the second and with the first biased the "
+    "tuned KF keeps about the published figure, and no more."
+)
+WHY_DISTURBED = (
+    "Why: a disturbance of the GNSS speed alone enters one of two observers and is averaged with "
+    "the other's, and smoothing takes out most of the rest, so what was said of the clean signals "
+    "decides here too. The published KF errs less with disturbances (0.0795) than without "
+    "(0.0848), which no filter does, so its row is no target. Where the ground truly moves every "
+    "filter that leaves the disturbance out is wrong, and the accelerometer must tell."
+)
+WHY_FIELD = (
+    "Why: the KF is not defined in the paper; ours takes the GNSS speed with Q = I and so hardly "
+    "filters, and a reduction against it says little. Against a tuned KF the adaptive filter has "
+    "no gain to offer. The paper's reference is RTK-GNSS, which is an input as well; ours is the "
+    "truth, which also sees the wheels' radius differ from the nominal one: a bias of slip that no "
+    "choice of Q and R takes away, and that bounds every method alike."
+)
+
+
+def clean(rows: Rows) -> Story:
+    """The story of the simulation without disturbances."""
+    trial = Trial(seed=FIRST_SEED)
+    return Story(
+        paragraphs=(*_reached(rows, FAITHFUL), _elsewhere(rows, 0.0214), WHY_CLEAN),
+        figures=(
+            (
+                "As the paper's Fig. 4: the measured speeds, truth in black.",
+                partial(figures.signals, trial),
+            ),
+            ("As Fig. 5: slip by the four methods.", partial(figures.slips, trial)),
+        ),
+    )
+
+
+def disturbed(rows: Rows) -> Story:
+    """The story of the hundred disturbed trials."""
+    case = next(row["case"] for row in rows)
+    trials = [Trial(seed=FIRST_SEED + i, disturbance="lobe") for i in range(20)]
+    return Story(
+        paragraphs=(*_reached(rows, case), _elsewhere(rows, 0.0359), WHY_DISTURBED),
+        figures=(
+            (
+                "As the paper's Fig. 6: GNSS speed with disturbances.",
+                partial(figures.gnss_speed, trials[0]),
+            ),
+            (
+                "As Fig. 7: absolute error of slip, 20 trials and their RMS.",
+                partial(figures.errors, trials),
+            ),
+        ),
+    )
+
+
+def field(rows: Rows) -> Story:
+    """The story of the four depths."""
+    of = {(row["case"], row["quantity"]): row for row in rows}
+    said = []
+    for other in ("KF", "tuned KF"):
+        for key in ("MAE", "RMSE"):
+            found = [of[f"{cm} cm", f"reduction of {key} against {other}"] for cm in DEPTHS_CM]
+            ours = ", ".join(f"{100 * row['ours']:.0f}" for row in found)
+            beside = ", ".join(f"{100 * r['published']:.0f}" for r in found if "published" in r)
+            text = f"{key} against the {other}: {ours} %"
+            said.append(text + (f" (published {beside} %)" if beside else ""))
+    return Story(
+        paragraphs=(
+            f"Reductions by the IMA-PKF at 15, 20, 25 and 30 cm. {'. '.join(said)}.",
+            WHY_FIELD,
+        ),
+        figures=(
+            ("As the paper's Fig. 9: slip at four depths, one run each.", _field_curves),
+            ("As Fig. 10: MAE and RMSE by depth.", partial(figures.field_errors, rows, DEPTHS_CM)),
+        ),
+    )
+
+
+def _field_curves() -> str:
+    runs = {}
+    for cm in DEPTHS_CM:
+        names = {name: load("estimator", ESTIMATORS[name]) for name in ("KF", "IMA-PKF")}
+        done = run(load("scenario", f"plough-{cm}cm"), estimators=names)
+        runs[cm] = (thinned(done.truth), {n: thinned(t) for n, t in done.estimates.items()})
+    return figures.field_slips(runs)
+
+
+def _reached(rows: Rows, case: str) -> list[str]:
+    """What of the published figures and of their order the faithful reading has."""
+    of = {row["quantity"]: row for row in rows if row["case"] == case}
+    published = {q: r for q, r in of.items() if "published" in r and "passed" not in r}
+    met = [_beside(q, r) for q, r in published.items() if r["ours"] <= r["published"]]
+    missed = [_beside(q, r) for q, r in published.items() if r["ours"] > r["published"]]
+    steps = [r for q, r in of.items() if q.startswith("RMSE of") and " over " in q]
+    broken = [r["quantity"] for r in steps if not r["passed"]]
+    order = " > ".join(ORDER)
+    verdict = "holds" if not broken else f"does not hold ({', '.join(broken)})"
+    return [
+        f"In the faithful reading ({case}) the order {order} of the mean RMSE {verdict}. "
+        f"No more than published: {'; '.join(met) or 'nothing'}. "
+        f"Not reached: {'; '.join(missed) or 'nothing'}.",
+    ]
+
+
+def _beside(quantity: str, row: Mapping[str, Any]) -> str:
+    return f"{quantity} {row['ours']:.4f} (published {row['published']:.4f})"
+
+
+def _elsewhere(rows: Rows, published: float) -> str:
+    """Which readings reach the last method's published RMSE, and in which the order holds."""
+    said: dict[bool, list[str]] = {True: [], False: []}
+    for case in dict.fromkeys(row["case"] for row in rows):
+        of = {row["quantity"]: row["ours"] for row in rows if row["case"] == case}
+        values = [of[f"RMSE, {name}"] for name in ORDER]
+        ordered = all(a > b for a, b in pairwise(values))
+        text = f"{case} ({values[-1]:.4f}{', in order' if ordered else ''})"
+        said[values[-1] <= published].append(text)
+    return (
+        f"The published RMSE of {LAST}, {published}, is reached in: "
+        f"{'; '.join(said[True]) or 'no reading'}. It is not in: "
+        f"{'; '.join(said[False]) or 'none'}. 'In order' where the four methods stand as published."
+    )

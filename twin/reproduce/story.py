@@ -1,0 +1,109 @@
+"""An experiment's report: what is reached and why, figures like the paper's, every row."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from twin.report.page import CSS, table
+
+Rows = Sequence[Mapping[str, Any]]
+
+PIVOTED = ("MAE", "RMSE", "RMSE from 1 s", "max", "bias")
+"""Quantities told of several methods, as `RMSE, KF`: a line for each method."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Story:
+    """What an experiment has to say beside its rows."""
+
+    paragraphs: tuple[str, ...]
+    figures: tuple[tuple[str, Callable[[], str]], ...] = ()
+    """Caption, and what draws the figure as an SVG element."""
+
+
+def write(path: Path, title: str, rows: Rows, story: Story) -> None:
+    """Write the report as one HTML page, no network."""
+    path.write_text(page(title, rows, story), encoding="utf-8")
+
+
+def page(title: str, rows: Rows, story: Story) -> str:
+    """The whole page as HTML text."""
+    figures = "".join(
+        f"<figure>{draw()}<figcaption>{html.escape(caption)}</figcaption></figure>"
+        for caption, draw in story.figures
+    )
+    parts = [
+        f"<h1>{html.escape(title)}</h1>",
+        *(f"<p>{html.escape(text)}</p>" for text in story.paragraphs),
+        f'<div class="figures">{figures}</div>' if figures else "",
+        *(_section(case, found) for case, found in _cases(rows).items()),
+    ]
+    head = f"<meta charset='utf-8'><title>{html.escape(title)}</title><style>{CSS}</style>"
+    body = "\n".join(part for part in parts if part)
+    return f"<!doctype html><html lang='en'><head>{head}</head><body>{body}</body></html>\n"
+
+
+def _cases(rows: Rows) -> dict[str, list[Mapping[str, Any]]]:
+    out: dict[str, list[Mapping[str, Any]]] = {}
+    for row in rows:
+        out.setdefault(row["case"], []).append(row)
+    return out
+
+
+def _section(case: str, rows: Rows) -> str:
+    """Methods as lines and quantities as columns, and below it what is told of no one method."""
+    methods: dict[str, dict[str, Mapping[str, Any]]] = {}
+    rest = []
+    for row in rows:
+        quantity, _, method = row["quantity"].partition(", ")
+        if method and quantity in PIVOTED:
+            methods.setdefault(method, {})[quantity] = row
+        else:
+            rest.append(row)
+    parts = [f"<h2>{html.escape(case)}</h2>"]
+    if methods:
+        parts.append(_pivot(methods))
+    if rest:
+        lines = ([row["quantity"], _cell(row), _published(row), _promise(row)] for row in rest)
+        parts.append(table(["quantity", "ours", "published", "promised"], lines))
+    return "".join(parts)
+
+
+def _pivot(methods: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
+    """A column for each quantity, and one beside it where something was published of it."""
+    headers, columns = ["method"], [list(methods)]
+    for quantity in PIVOTED:
+        found = [of.get(quantity) for of in methods.values()]
+        if any(found):
+            headers.append(quantity)
+            columns.append([_cell(row) for row in found])
+        if any(row and "published" in row for row in found):
+            headers.append("published")
+            columns.append([_published(row) for row in found])
+    return table(headers, zip(*columns, strict=True))
+
+
+def _cell(row: Mapping[str, Any] | None) -> str:
+    """`0.0267 ± 0.0003`, half the 95 % interval; the value alone where low and high are bounds."""
+    if row is None:
+        return "-"
+    text = f"{row['ours']:.4f}"
+    if "passed" not in row and {"low", "high"} <= row.keys():
+        text += f" ± {0.5 * (row['high'] - row['low']):.4f}"
+    return text
+
+
+def _published(row: Mapping[str, Any] | None) -> str:
+    return f"{row['published']:.4f}" if row and "published" in row else ""
+
+
+def _promise(row: Mapping[str, Any]) -> str:
+    if "passed" not in row:
+        return ""
+    ends = [("at least", row.get("low")), ("at most", row.get("high"))]
+    said = " and ".join(f"{word} {end:.4g}" for word, end in ends if end is not None)
+    return f"{said}: {'reached' if row['passed'] else 'not reached'}"
