@@ -65,12 +65,23 @@ def _scenario_about(name: str) -> str:
 
 def _about(target: str) -> str:
     module, _, attribute = target.partition(":")
-    spec = find_spec(module)
-    if spec is None or spec.origin is None:
+    file = _file(module)
+    if file is None:
         return ""
-    tree = ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
+    tree = ast.parse(file.read_text(encoding="utf-8"))
     text = _attribute_doc(tree, attribute) or ast.get_docstring(tree) or ""
     return text.split("\n\n")[0].replace("\n", " ").strip()
+
+
+def _file(module: str) -> Path | None:
+    """Where a module stands; `find_spec` of an inner one would import the packages around it."""
+    top, *inner = module.split(".")
+    spec = find_spec(top)
+    if spec is None or not spec.submodule_search_locations:
+        return None if spec is None or spec.origin is None else Path(spec.origin)
+    place = Path(spec.submodule_search_locations[0]).joinpath(*inner)
+    file = place / "__init__.py" if place.is_dir() else place.with_name(f"{place.name}.py")
+    return file if file.exists() else None
 
 
 def _attribute_doc(tree: ast.Module, attribute: str) -> str | None:
