@@ -10,7 +10,7 @@ import numpy as np
 
 from twin.errors import check_range
 from twin.runfolder import Record
-from twin.streams import GnssSetup, Setup, Streams, Table, WheelsSetup
+from twin.streams import WHEELS, GnssSetup, Setup, Streams, Table, WheelsSetup
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,13 +131,15 @@ def truth_table(*, duration_s: float = 20.0, rate_hz: float = 50.0) -> Table:
         "north_m": np.cumsum(v_y) / rate_hz,
         "up_m": np.full_like(t, 0.8),
         "qw": np.ones_like(t), "qx": zero, "qy": zero, "qz": zero,
-        "v_x_mps": speed, "v_y_mps": v_y, "speed_mps": speed,
+        "v_x_rear_mps": speed, "v_x_mps": speed, "v_y_mps": v_y, "speed_mps": speed,
         "wheel_speed_mps": speed / (1.0 - slip),
         "slip": slip,
         "sideslip_rad": np.arctan2(v_y, speed),
         "sideslip_m": np.cumsum(v_y) / rate_hz,
         "draft_n": 18000.0 * down * (1.0 + 0.05 * np.sin(3.0 * t)),
         "depth_m": 0.25 * down,
+        **{f"load_{wheel}_n": np.full_like(t, 13000.0) for wheel in WHEELS},
+        **{f"shear_{wheel}_n": 4500.0 * down for wheel in WHEELS},
         "joint_rl_spin_rad": 1.5 * t / 0.8, "joint_rr_spin_rad": 1.5 * t / 0.8,
         "joint_lift_rad": 0.1 * (1.0 - down),
         "ploughing": down >= 1.0,

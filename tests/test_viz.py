@@ -5,6 +5,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import mujoco
 import numpy as np
@@ -13,7 +14,11 @@ from synthetic_run import MJCF, synthetic_run, truth_table
 
 from twin import viz
 from twin.streams import Streams
-from twin.viz import paths
+from twin.terrain.grid import GridMap
+from twin.viz import Ground, paths
+from twin.viz.blueprint import kind
+from twin.viz.events import events
+from twin.viz.ground import slices
 from twin.viz.shapes import Shapes, body_poses
 
 MODEL = mujoco.MjModel.from_xml_string(MJCF)
@@ -38,7 +43,9 @@ def test_a_recording_is_whole_and_holds_what_is_shown(tmp_path: Path) -> None:
         f"{paths.TRACTOR}/rear_left", paths.PATH, paths.GROUND, paths.FURROW,
         f"{paths.SLIP}/truth", f"{paths.SLIP}/ekf4", f"{paths.SLIP}/ekf4/upper",
         f"{paths.SPEED}/truth",
-        paths.DRAFT, paths.DEPTH,
+        paths.DRAFT, paths.DEPTH, paths.EVENTS, paths.NO_SIDESLIP, paths.GNSS,
+        f"{paths.FORCES}/load", f"{paths.FORCES}/thrust", f"{paths.FORCES}/draft",
+        f"{paths.SENSED_SPEED}/gnss", f"{paths.SENSED_SPEED}/wheels", f"{paths.FIX}/quality",
     ):  # fmt: skip
         assert f"/{entity}" in told
     assert path.stat().st_size < 2_000_000
@@ -82,3 +89,55 @@ def test_a_run_without_a_model_still_shows_its_path(tmp_path: Path) -> None:
 def test_a_log_of_which_nothing_was_estimated_is_still_a_recording(tmp_path: Path) -> None:
     viz.log(tmp_path / "log.rrd", streams=Streams({}), setup=RUN.setup, estimates={})
     assert "verified without error" in rerun("verify", str(tmp_path / "log.rrd"))
+
+
+def test_events_tell_what_happened_in_order() -> None:
+    truth = truth_table(duration_s=20.0)
+    truth["depth_m"][-100:], truth["ploughing"][-100:] = 0.0, False
+    quality = np.full(len(RUN.streams["gnss"]["epoch_ns"]), 4)
+    quality[30:40] = 5
+    gnss = {**RUN.streams["gnss"], "quality": quality}
+    found = sorted(events(truth, Streams({"gnss": gnss}), None, "course driven"))
+    assert [e.text for e in found] == [
+        "GNSS float", "GNSS fixed again", "plough in the ground", "full depth, 25 cm", "plough out",
+        "course driven",
+    ]  # fmt: skip
+    assert [e.level for e in found][:2] == ["WARN", "INFO"]
+
+
+def test_a_rock_is_told_and_ripple_is_not() -> None:
+    truth = truth_table(duration_s=20.0)
+    rocky = SimpleNamespace(soil=SimpleNamespace(rocks_per_100m2=2.0, rock_kn=15.0))
+    assert not [e for e in events(truth, Streams({}), rocky) if "rock" in e.text]
+    truth["draft_n"][700:708] += 14000.0
+    told = [e for e in events(truth, Streams({}), rocky) if "rock" in e.text]
+    assert [(e.epoch_ns, e.level) for e in told] == [(truth["epoch_ns"][700], "WARN")]
+
+
+def test_the_screen_suits_the_run() -> None:
+    truth, gnss = dict(RUN.truth or {}), RUN.streams["gnss"]
+    sky = Streams({"gnss": gnss})
+    lost = Streams({"gnss": {**gnss, "quality": np.full(len(gnss["epoch_ns"]), 1)}})
+    bare = {**truth, "depth_m": np.zeros(len(truth["epoch_ns"]))}
+    steep = SimpleNamespace(field=SimpleNamespace(cross_slope_deg=9.0))
+    given = [(truth, sky, None), (truth, lost, None), (bare, sky, steep), (bare, sky, None)]
+    assert [kind(*each) for each in given] == ["ploughing", "masked", "slope", "road"]
+
+
+def test_the_ground_is_where_its_map_and_its_slope_are() -> None:
+    turn = np.array([[1.0, 0.0, 0.0], [0.0, 0.8, -0.6], [0.0, 0.6, 0.8]])
+    nodes = np.array([[0.0, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.0]])
+    heights = GridMap(nodes, 1.0, -1.0, -1.0, repeats=False)
+    ground = Ground(world_from_ground=turn, maps={"heights": heights})
+    points = ground.surface_w(np.array([0.0, 0.0]), np.array([0.0, 1.0]))
+    np.testing.assert_allclose(points, [0.5 * turn[:, 2], turn[:, 1]], atol=1e-12)
+
+
+def test_slices_are_turned_towards_the_furrow_and_only_where_it_ploughs() -> None:
+    truth = truth_table(duration_s=20.0)
+    rows, centre, _, _ = slices(truth, RUN.scenario, Ground())
+    assert np.all(truth["depth_m"][rows] > 0.05)
+    assert np.all(truth["epoch_ns"][rows] > 5e9)
+    aside = centre[:, :, 1] - truth["north_m"][rows][:, None]
+    assert np.all(aside[:, 0] < -0.7)  # beside the furrow, which is on the right
+    np.testing.assert_allclose(np.diff(aside, axis=1), 0.35)

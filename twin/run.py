@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import time
+from collections import ChainMap
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ import numpy as np
 
 from twin import sensors, truth
 from twin.camera import tracking
+from twin.camera.frames import DrawnFrames
 from twin.camera.tracking import Tracker
 from twin.machine import calibration
 from twin.machine.build import Machine, build
@@ -23,7 +25,10 @@ from twin.machine.notes import notes
 from twin.machine.route import length_m
 from twin.scenario import Scenario
 from twin.sensors import Sensors
-from twin.streams import Setup, Streams, Table, concatenate
+from twin.streams import Frames, Setup, Streams, Table, concatenate
+
+KEPT_EVERY = 10
+"""Of the camera's frames every so many are kept to be looked at."""
 
 
 class Estimator(Protocol):
@@ -63,6 +68,8 @@ class Run:
     wall_s: float
     ended: str = "course driven"
     """Why the run ended."""
+    frames: Frames | None = None
+    """Some of the camera's frames by number, drawn when asked for."""
     notes: tuple[str, ...] = ()
     """Where the run leaves the range in which its soil law was measured, in sentences."""
 
@@ -86,12 +93,12 @@ def run(
         Diverged: the simulation left the finite numbers; its evidence repeats the last second.
     """
     start = time.perf_counter()
-    ended, said = "course driven", tuple[str, ...]()
+    ended, said, kept = "course driven", tuple[str, ...](), None
     if isinstance(scenario, Scenario):
         machine = build(scenario)
         nominal = geometry(machine)
         setup = sensors.setup(scenario.sensors, nominal)
-        streams, true = sense(machine, nominal.driven, progress or _silent, frames)
+        streams, true, kept = sense(machine, nominal.driven, progress or _silent, frames)
         ended, said = _ended(machine, true), notes(machine)
     else:
         setup, streams, true = scenario.measure()
@@ -101,7 +108,7 @@ def run(
         for name, estimator in estimators.items()
     }
     wall_s = time.perf_counter() - start
-    return Run(scenario, setup, streams, true, estimates, wall_s, ended, said)
+    return Run(scenario, setup, streams, true, estimates, wall_s, ended, kept, said)
 
 
 def _silent(fraction: float) -> None:
@@ -129,14 +136,17 @@ def sense(
     driven: tuple[str, ...],
     progress: Callable[[float], None],
     frames: Path | None = None,
-) -> tuple[Streams, Table]:
-    """Drive a machine, after its calibration; what its sensors gave, and the truth of the run.
+) -> tuple[Streams, Table, Frames | None]:
+    """Drive a machine, after its calibration.
 
     Args:
         machine: what is driven.
         driven: its driven wheels.
         progress: told the fraction of the course driven.
         frames: folder where the camera's frames are saved as PNG.
+
+    Returns:
+        What its sensors gave, the truth of the run, and a few of its camera's frames.
     """
     scenario = machine.scenario
     recording, run_chunks = calibration.run_chunks(machine)
@@ -144,10 +154,12 @@ def sense(
     state = sensors.init(fitted, scenario.seed)
     tracker = _tracker(fitted, machine, frames)
     course_m, driven_m = length_m(scenario), 0.0
-    streams, parts = [], []
+    streams, parts, kept = [], [], list[Frames]()
     with ThreadPoolExecutor(1) as pool:
         for chunk in itertools.chain(recording.chunks, run_chunks):
             state, sampled = sensors.sample(fitted, state, chunk)
+            if isinstance(sampled.frames, DrawnFrames) and chunk.epoch_ns[0] >= recording.start_ns:
+                kept.append(sampled.frames.every(KEPT_EVERY))
             sampled = recording.recorded(sampled)
             if tracker is not None:
                 tracker, sampled = tracking.track(tracker, sampled, pool)
@@ -160,7 +172,8 @@ def sense(
     full_depth_m = None if scenario.plough is None else FULL_DEPTH * scenario.plough.depth_m
     progress(1.0)
     table = truth.integrate(truth.concatenate(parts), full_depth_m)
-    return concatenate(streams), {name: np.ascontiguousarray(c) for name, c in table.items()}
+    true = {name: np.ascontiguousarray(c) for name, c in table.items()}
+    return concatenate(streams), true, ChainMap(*kept) if kept else None  # type: ignore[arg-type]
 
 
 def _tracker(fitted: Sensors, machine: Machine, frames: Path | None) -> Tracker | None:

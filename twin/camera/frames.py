@@ -60,6 +60,11 @@ class DrawnFrames(Mapping[int, Image]):
     def __len__(self) -> int:
         return len(self._views)
 
+    def every(self, count: int) -> DrawnFrames:
+        """One frame of so many, by number."""
+        views = {number: view for number, view in self._views.items() if number % count == 0}
+        return DrawnFrames(self._film, views)
+
 
 class SavedFrames(Mapping[int, Image]):
     """Frames by number, read from the PNG files that `save` wrote."""

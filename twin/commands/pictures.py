@@ -14,7 +14,9 @@ def record(run: RunLike, scores: Mapping[str, Any], path: Path) -> None:
     from twin import viz
 
     if hasattr(run.scenario, "machine"):
-        viz.record(run, path, model=_model(run.scenario))
+        machine = _machine(run.scenario)
+        ground = viz.Ground(world_from_ground=machine.world_from_ground, maps=machine.maps)
+        viz.record(run, path, model=machine.model, ground=ground)
     else:  # signals without a machine are drawn as a log is
         viz.log(
             path,
@@ -25,7 +27,7 @@ def record(run: RunLike, scores: Mapping[str, Any], path: Path) -> None:
         )
 
 
-def _model(scenario: Any) -> Any:
+def _machine(scenario: Any) -> Any:
     from twin.machine.build import build
 
-    return build(scenario, looks=True).model
+    return build(scenario, looks=True)

@@ -8,13 +8,22 @@ SIM_TIME, STEP = "sim_time", "step"
 WORLD = "world"
 TRACTOR = "world/truth/tractor"
 PATH = "world/truth/path"
+NO_SIDESLIP = "world/truth/no_sideslip"
 FURROW = "world/truth/furrow"
 FOLLOW = "world/truth/follow"
+FORCES = "world/forces"
+ESTIMATES = "world/estimates"
 GROUND = "world/ground"
 GNSS = "world/sensors/gnss"
+CAMERA = "camera"
 MAP = "map/gnss"
+EVENTS = "events"
 SLIP, SPEED, SIDESLIP, DRAFT, DEPTH = (
     "plots/slip", "plots/speed", "plots/sideslip", "plots/draft", "plots/depth",
+)  # fmt: skip
+WHEELS, LOADS, POWER = "plots/wheel_slip", "plots/wheel_load", "plots/power"
+SENSED_SPEED, FIX, GYRO, ACCELERATION, SENSED_DEPTH = (
+    "sensors/speed", "sensors/fix", "sensors/gyro", "sensors/acceleration", "sensors/depth",
 )  # fmt: skip
 
 DARK, SKY, ORANGE = [22, 23, 26], [214, 226, 235], [230, 159, 0]

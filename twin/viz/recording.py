@@ -12,38 +12,55 @@ import rerun.blueprint as rrb
 
 from twin.runfolder import RunLike
 from twin.streams import Setup, Streams, Table
-from twin.viz import scene
+from twin.viz import forces, plots, scene, tracks
 from twin.viz.blueprint import logged, simulated
+from twin.viz.events import log_events
+from twin.viz.ground import Ground, log_furrow, log_ground
 from twin.viz.paths import APPLICATION, WORLD
-from twin.viz.plots import plot_all
+from twin.viz.pictures import log_frames
 from twin.viz.tools import every
 
 POSE_RATE_HZ = 15.0
+LARGE_M = 2.55
+"""Wheelbase of the tractor that the thickness of lines is meant for."""
 NOTHING: Table = {"epoch_ns": np.zeros(1, np.int64)}
 
 
-def record(run: RunLike, path: Path, *, model: Any | None = None) -> None:
+def record(
+    run: RunLike, path: Path, *, model: Any | None = None, ground: Ground | None = None
+) -> None:
     """Write a simulated run as a recording.
 
     Args:
         run: with truth (pose and joint columns).
         path: the .rrd file.
         model: compiled mujoco.MjModel whose visual geoms are drawn; None draws the path alone.
+        ground: what it drives on; None is a level plane.
     """
-    truth = run.truth
+    truth, streams, scenario = run.truth, run.streams, run.scenario
     assert truth is not None, "a simulated run has its truth"
-    with _Recording(path, simulated(truth)) as recording:
+    ground = ground or Ground()
+    frames = getattr(run, "frames", None)
+    screen = simulated(truth, streams, run.setup, scenario, frames=bool(frames))
+    lower_m = (run.setup.wheels.radius_m.get("rl", 0.8) if run.setup.wheels else 0.8) - 0.05
+    scale = run.setup.wheelbase_m / LARGE_M
+    with _Recording(path, screen) as recording:
         recording.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
         moments = every(truth, POSE_RATE_HZ)
-        scene.log_ground(recording, truth, run.setup)
-        scene.log_furrow(recording, truth, run.setup)
-        scene.log_path(recording, truth, run.setup)
-        scene.log_gnss(recording, run.streams)
+        log_ground(recording, truth, scenario, ground)
+        log_furrow(recording, truth, scenario, ground)
+        tracks.log_path(recording, truth, lower_m, scale)
+        tracks.log_no_sideslip(recording, truth, lower_m, scale)
+        tracks.log_estimated(recording, run.estimates, streams, truth, lower_m, scale)
+        tracks.log_gnss(recording, streams, truth, scale)
+        scene.log_frame(recording, moments, run.setup)
+        forces.log_forces(recording, moments, run.setup)
         if model is not None:
             scene.log_machine(recording, moments, model)
-        else:
-            scene.log_frame(recording, moments)
-        plot_all(recording, run.estimates, truth)
+        if frames:
+            log_frames(recording, streams, frames)
+        log_events(recording, truth, streams, scenario, getattr(run, "ended", ""))
+        _plot(recording, streams, run.setup, run.estimates, truth)
 
 
 def log(
@@ -58,12 +75,31 @@ def log(
     placed = "gnss" in streams and "east_m" in streams["gnss"]
     geodetic = setup.origin is not None and placed
     spans = [t for t in (*estimates.values(), *streams.tables.values()) if len(t["epoch_ns"])]
-    with _Recording(path, logged(spans[0] if spans else NOTHING, geodetic)) as recording:
+    screen = logged(spans[0] if spans else NOTHING, setup, geodetic)
+    with _Recording(path, screen) as recording:
         recording.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-        scene.log_gnss(recording, streams)
+        tracks.log_gnss(recording, streams)
         if geodetic:
-            scene.log_map(recording, streams, setup)
-        plot_all(recording, estimates, reference or {})
+            tracks.log_map(recording, streams, setup)
+        log_events(recording, reference or {}, streams, None, "")
+        _plot(recording, streams, setup, estimates, reference or {})
+
+
+def _plot(
+    recording: rr.RecordingStream,
+    streams: Streams,
+    setup: Setup,
+    estimates: Mapping[str, Table],
+    truth: Table,
+) -> None:
+    plots.plot_estimates(recording, estimates)
+    plots.plot_truth(recording, truth)
+    start_ns = truth["epoch_ns"][0] if len(truth.get("epoch_ns", ())) else np.iinfo(np.int64).min
+    shown = {
+        name: {c: v[table["epoch_ns"] >= start_ns] for c, v in table.items()}
+        for name, table in streams.tables.items()
+    }
+    plots.plot_sensors(recording, Streams(shown), setup)
 
 
 def view(path: Path) -> None:
