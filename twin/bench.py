@@ -169,7 +169,7 @@ def camera_rows() -> list[dict[str, Any]]:
 
 def _sense(machine: Machine) -> float:
     """Drive a machine with its sensors; the time driven [s]."""
-    _, true = sense(machine, ("rl", "rr"), lambda fraction: None)
+    _, true, _ = sense(machine, ("rl", "rr"), lambda fraction: None)
     return float(true["epoch_ns"][-1] - true["epoch_ns"][0]) * 1e-9
 
 
@@ -177,7 +177,7 @@ def _odometry_ms() -> float:
     """Median time of a frame's odometry, the frames drawn before."""
     machine = build(whole_frames(0.0, odometry="none"))
     short = replace(machine.scenario, course=Course(length_m=2.0))
-    streams, _ = sense(replace(machine, scenario=short), ("rl", "rr"), lambda fraction: None)
+    streams, *_ = sense(replace(machine, scenario=short), ("rl", "rr"), lambda fraction: None)
     drawn = {} if streams.frames is None else {n: streams.frames[n] for n in streams.frames}
     seen = Streams({n: streams[n] for n in ("camera", "imu")}, drawn)
     odometry = attribute("odometry", ODOMETRY)
