@@ -84,6 +84,18 @@ def _file(module: str) -> Path | None:
     return file if file.exists() else None
 
 
+def _source(module: str) -> Path | None:
+    """A module's file; only its outermost package is imported, as finding its spec would do all."""
+    package, *within = module.split(".")
+    spec = find_spec(package)
+    if spec is None or spec.origin is None:
+        return None
+    if not within:
+        return Path(spec.origin)
+    stem = Path(spec.origin).parent.joinpath(*within)
+    return next((f for f in (stem.with_suffix(".py"), stem / "__init__.py") if f.exists()), None)
+
+
 def _attribute_doc(tree: ast.Module, attribute: str) -> str | None:
     """Docstring of a class or function, or the string under an assignment."""
     for node, following in zip(tree.body, [*tree.body[1:], None], strict=True):
