@@ -12,6 +12,22 @@ REGISTRY: dict[str, str] = {
     "plough-slip-patch": "scenarios.plough:SLIP_PATCH",
     "plough-patchy": "scenarios.plough:PATCHY",
     "plough-headland": "scenarios.plough:HEADLAND",
+    **{
+        f"fault-{kind}": f"scenarios.faults:{kind.upper().replace('-', '_')}"
+        for kind in (
+            "gnss-dropout",
+            "gnss-spike",
+            "gnss-frozen",
+            "gnss-late",
+            "wheels-stuck",
+            "wheel-stuck",
+            "wheel-missed",
+            "imu-saturated",
+            "imu-bias",
+            "imu-back",
+            "all",
+        )
+    },
     "slope-8-taishan": "scenarios.slope:TAISHAN_8",
     **{f"slope-{slope}-taishan": f"scenarios.slope:TAISHAN_{slope}" for slope in (5, 10)},
     **{f"slope-{slope}-plough": f"scenarios.slope:PLOUGH_{slope}" for slope in (5, 10)},

@@ -7,6 +7,7 @@ Each module turns noise-free quantities into one sensor's stream: a frozen confi
 
 from twin.sensors.camera import Camera
 from twin.sensors.depth import Depth
+from twin.sensors.faults import Fault
 from twin.sensors.fix import Outage
 from twin.sensors.gnss import Gnss
 from twin.sensors.imu import Imu
@@ -19,6 +20,7 @@ __all__ = [
     "Bus",
     "Camera",
     "Depth",
+    "Fault",
     "Geometry",
     "Gnss",
     "Imu",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -11,6 +12,7 @@ import numpy as np
 from twin.sensors import camera, depth, gnss, imu, machine, wheels
 from twin.sensors.camera import Camera
 from twin.sensors.depth import Depth
+from twin.sensors.faults import Fault, Held, fail
 from twin.sensors.gnss import Gnss
 from twin.sensors.imu import Imu
 from twin.sensors.machine import Bus
@@ -49,6 +51,8 @@ class Sensors:
     """The machine's own bus."""
     camera: Camera | None = None
     """Camera that looks down at the ground."""
+    faults: tuple[Fault, ...] = ()
+    """What goes wrong with wires, counters and clocks, and when."""
 
     def fitted(self) -> dict[str, Any]:
         """Configuration of each sensor that is not switched off, by stream."""
@@ -64,6 +68,10 @@ class SuiteState:
 
     sensors: dict[str, Any]
     waiting: dict[str, Table]
+    start_ns: int = 0
+    """Instant from which scheduled faults count."""
+    held: Mapping[int, Held] = field(default_factory=dict)
+    """What faults remember, by their number."""
 
 
 def init(sensors: Sensors, seed: int, start_ns: int = 0) -> SuiteState:
@@ -75,7 +83,7 @@ def init(sensors: Sensors, seed: int, start_ns: int = 0) -> SuiteState:
         start_ns: instant of the first sample; scheduled faults count from it.
     """
     states = {n: MODULES[n].init(c, seed, start_ns) for n, c in sensors.fitted().items()}
-    return SuiteState(sensors=states, waiting={})
+    return SuiteState(sensors=states, waiting={}, start_ns=start_ns)
 
 
 def sample(sensors: Sensors, state: SuiteState, chunk: Trajectory) -> tuple[SuiteState, Streams]:
@@ -85,9 +93,11 @@ def sample(sensors: Sensors, state: SuiteState, chunk: Trajectory) -> tuple[Suit
     later one, so whoever consumes the stream as it runs sees nothing early, and every chunking
     hands on the same samples in the same order.
     """
-    states, waiting, arrived = {}, {}, {}
+    states, waiting, arrived, held = {}, {}, {}, state.held
     for name, config in sensors.fitted().items():
         states[name], table = MODULES[name].sample(config, state.sensors[name], chunk)
+        if sensors.faults:
+            table, held = fail(sensors.faults, name, table, state.start_ns, held)
         if name in state.waiting:
             before = state.waiting[name]
             table = {c: np.concatenate([before[c], v]) for c, v in table.items()}
@@ -95,7 +105,7 @@ def sample(sensors: Sensors, state: SuiteState, chunk: Trajectory) -> tuple[Suit
         count = int(np.searchsorted(table["arrival_ns"], now_ns, side="right"))
         arrived[name] = {c: v[:count] for c, v in table.items()}
         waiting[name] = {c: v[count:] for c, v in table.items()}
-    after = SuiteState(sensors=states, waiting=waiting)
+    after = SuiteState(sensors=states, waiting=waiting, start_ns=state.start_ns, held=held)
     if sensors.camera is None:
         return after, Streams(arrived)
     frames = camera.frames(sensors.camera, states["camera"], arrived["camera"])
@@ -105,7 +115,11 @@ def sample(sensors: Sensors, state: SuiteState, chunk: Trajectory) -> tuple[Suit
 
 def faults_from(sensors: Sensors, start_s: float) -> Sensors:
     """The same sensors with their scheduled faults counted from an instant of the recording."""
-    if sensors.gnss is None or start_s == 0.0:
+    if start_s == 0.0:
+        return sensors
+    faults = tuple(replace(f, start_s=f.start_s + start_s) for f in sensors.faults)
+    sensors = replace(sensors, faults=faults)
+    if sensors.gnss is None:
         return sensors
     outages = tuple(replace(o, start_s=o.start_s + start_s) for o in sensors.gnss.outages)
     return replace(sensors, gnss=replace(sensors.gnss, outages=outages))

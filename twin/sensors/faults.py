@@ -1,0 +1,153 @@
+"""Scheduled faults of the sensors' wires, counters and clocks: what a real log has on a bad day.
+
+What a receiver's antennas see (corrections, foil, sky) is `twin.sensors.fix`'s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.errors import UnknownName, check_range
+from twin.streams import Table
+
+REAR = ("ticks_rl", "ticks_rr")
+STAMPS = ("epoch_ns", "arrival_ns")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fault:
+    """One fault in a run."""
+
+    kind: str
+    """One of twin.sensors.faults.KINDS."""
+    start_s: float
+    """From the start of the run [s]."""
+    duration_s: float
+    """How long it lasts [s]."""
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise UnknownName("sensor fault", self.kind, KINDS)
+        check_range("fault.start_s", self.start_s, 0.0, 1e6)
+        check_range("fault.duration_s", self.duration_s, 0.01, 1e6)
+
+
+Mask = NDArray[np.bool_]
+Held = dict[str, Any]
+"""What a fault remembers from chunk to chunk."""
+Change = Callable[[Table, Mask, Held], Table]
+
+
+def _dropped(table: Table, during: Mask, held: Held) -> Table:
+    return {name: column[~during] for name, column in table.items()}
+
+
+def _spike(table: Table, during: Mask, held: Held) -> Table:
+    out = dict(table)
+    for name in ("v_east_mps", "v_north_mps"):
+        out[name] = np.where(during, table[name] + 3.0, table[name])
+    return out
+
+
+def _frozen(table: Table, during: Mask, held: Held) -> Table:
+    """All values stay as they were in the last sample before; the stamps go on."""
+    before = np.flatnonzero(~during)
+    out = dict(table)
+    for name, column in table.items():
+        if name in STAMPS:
+            continue
+        newest = np.maximum.accumulate(np.where(during, -1, np.arange(len(column))))
+        last = held.get(name, column[0] if len(column) else 0)
+        out[name] = np.where(newest >= 0, column[np.maximum(newest, 0)], last).astype(column.dtype)
+        if len(before):
+            held[name] = column[before[-1]]
+    return out
+
+
+def _late(table: Table, during: Mask, held: Held) -> Table:
+    """Half a second late; what was sent after it does not overtake it."""
+    sent = table["arrival_ns"] + np.where(during, 500_000_000, 0)
+    ordered = np.maximum.accumulate(np.concatenate([[held.get("last_ns", 0)], sent]))
+    held["last_ns"] = int(ordered[-1])
+    return {**table, "arrival_ns": ordered[1:]}
+
+
+def _missed(share: float, wheels: Sequence[str]) -> Change:
+    """Counters that miss a share of their ticks, and go on from there."""
+
+    def change(table: Table, during: Mask, held: Held) -> Table:
+        out = dict(table)
+        for name in wheels:
+            if name not in table or not len(table[name]):
+                continue
+            count = table[name]
+            step = np.diff(count, prepend=held.get(f"{name} count", count[0]))
+            passed = held.get(f"{name} passed", 0) + np.cumsum(np.where(during, step, 0))
+            held[f"{name} count"], held[f"{name} passed"] = count[-1], passed[-1]
+            out[name] = count - np.floor(share * passed).astype(count.dtype)
+        return out
+
+    return change
+
+
+def _saturated(table: Table, during: Mask, held: Held) -> Table:
+    out = dict(table)
+    for name in ("accel_x_mps2", "accel_y_mps2"):
+        out[name] = np.where(during, np.clip(table[name], -0.3, 0.3), table[name])
+    return out
+
+
+def _biased(table: Table, during: Mask, held: Held) -> Table:
+    return {**table, "accel_x_mps2": table["accel_x_mps2"] + np.where(during, 0.3, 0.0)}
+
+
+def _back(table: Table, during: Mask, held: Held) -> Table:
+    """The unit's clock jumps back by a fifth of a second."""
+    return {**table, "epoch_ns": table["epoch_ns"] - np.where(during, 200_000_000, 0)}
+
+
+KINDS: dict[str, tuple[str, str, Change]] = {
+    "gnss-dropout": ("gnss", "no message from the receiver", _dropped),
+    "gnss-spike": ("gnss", "3 m/s too much to the east and to the north", _spike),
+    "gnss-frozen": ("gnss", "the receiver repeats its last values", _frozen),
+    "gnss-late": ("gnss", "messages half a second later than before", _late),
+    "wheels-stuck": ("wheels", "both rear counters stand", _missed(1.0, REAR)),
+    "wheel-stuck": ("wheels", "the left rear counter stands", _missed(1.0, REAR[:1])),
+    "wheel-missed": (
+        "wheels",
+        "the left rear counter misses every tenth tick",
+        _missed(0.1, REAR[:1]),
+    ),
+    "imu-saturated": ("imu", "accelerations cut off at 0.3 m/s2", _saturated),
+    "imu-bias": ("imu", "0.3 m/s2 on the forward acceleration", _biased),
+    "imu-back": ("imu", "the clock jumps back by 0.2 s", _back),
+}
+"""Fault -> the stream it is in, what it is, and what it does to that stream's samples."""
+
+
+def fail(
+    faults: Sequence[Fault], stream: str, table: Table, start_ns: int, held: Mapping[int, Held]
+) -> tuple[Table, dict[int, Held]]:
+    """A stream's samples as its faults leave them, and what the faults remember.
+
+    Args:
+        faults: of the whole suite, in the order in which they act.
+        stream: name of the stream.
+        table: its samples in a chunk.
+        start_ns: instant from which the faults count.
+        held: what they remembered before, by their number.
+    """
+    after = {i: dict(memory) for i, memory in held.items()}
+    for i, fault in enumerate(faults):
+        of, _, change = KINDS[fault.kind]
+        if of != stream:
+            continue
+        time_s = (table["epoch_ns"] - start_ns) * 1e-9
+        during = (time_s >= fault.start_s) & (time_s < fault.start_s + fault.duration_s)
+        table = change(table, during, after.setdefault(i, {}))
+    return table, after
