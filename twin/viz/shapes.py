@@ -63,6 +63,19 @@ def body_poses(model: Any, truth: Table) -> tuple[Array, Array]:
         position_w: Shape (n, nbody, 3) [m].
         world_from_body: quaternions wxyz. Shape (n, nbody, 4).
     """
+    states = joint_states(model, truth)
+    n = len(states)
+    data = mujoco.MjData(model)
+    position_w, world_from_body = np.empty((n, model.nbody, 3)), np.empty((n, model.nbody, 4))
+    for i, state in enumerate(states):
+        data.qpos[:] = state
+        mujoco.mj_kinematics(model, data)
+        position_w[i], world_from_body[i] = data.xpos, data.xquat
+    return position_w, world_from_body
+
+
+def joint_states(model: Any, truth: Table) -> Array:
+    """The model's joint positions at every row of truth. Shape (n, nq)."""
     n = len(truth["epoch_ns"])
     states = np.tile(model.qpos0, (n, 1))  # (n, nq)
     for j in range(model.njnt):
@@ -73,13 +86,7 @@ def body_poses(model: Any, truth: Table) -> tuple[Array, Array]:
             states[:, address : address + 7] = np.stack(pose, axis=1)
         elif f"joint_{name}_rad" in truth:
             states[:, address] = truth[f"joint_{name}_rad"]
-    data = mujoco.MjData(model)
-    position_w, world_from_body = np.empty((n, model.nbody, 3)), np.empty((n, model.nbody, 4))
-    for i, state in enumerate(states):
-        data.qpos[:] = state
-        mujoco.mj_kinematics(model, data)
-        position_w[i], world_from_body[i] = data.xpos, data.xquat
-    return position_w, world_from_body
+    return states
 
 
 def log_shapes(recording: rr.RecordingStream, entity: str, shapes: Shapes, body: int) -> None:
