@@ -17,8 +17,10 @@ from estimators.odometry.lens import Array, Picture, centre_px
 from estimators.odometry.match import Match
 
 ITERATIONS, CONVERGED = 12, 1e-3
-SMOOTHED_PX = 5
-"""Width of the Gaussian that ECC smooths both pictures with."""
+SMOOTHED_PX = 9
+"""Width of the Gaussian that ECC smooths both pictures with, 1.7 px of sd. What is finer than a few
+pixels pulls a displacement towards whole ones, in every frame alike: at 5 px wide by 0.006 px rms,
+so by 0.003; noise that differs from frame to frame grows to 0.004, which a mean takes out."""
 LEAST_PSR = 8.0
 """Peak-to-sidelobe ratio below which a peak is chance: the highest of 64 000 normal numbers is at
 4.2 sd, and of unrelated soil at most 6."""
@@ -29,7 +31,7 @@ FLOOR_PX = 0.006
 """sd of ECC's displacement on noise-free pictures: interpolation."""
 PEAK_PX = 0.3
 """sd of the peak alone, measured between pixels and with 1 % of scale between the pictures."""
-SMOOTHED_AREA_PX2 = 15.0
+SMOOTHED_AREA_PX2 = 36.0
 """Pixels over which the smoothing makes noise one: 4 pi sd^2 of the Gaussian."""
 
 
