@@ -6,6 +6,7 @@ because the machine's other work only ever adds time.
 
 from __future__ import annotations
 
+import pickle
 import resource
 import statistics
 import subprocess
@@ -31,7 +32,7 @@ from twin.machine.simulate import Cab
 from twin.registry import load
 from twin.reproduce import ima_pkf_speed
 from twin.rows import row
-from twin.run import sense
+from twin.run import run, sense
 from twin.scenario import Course, Field, Scenario, Soil
 from twin.streams import Streams
 
@@ -41,7 +42,7 @@ NO_SENSORS = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
 
 def rows() -> list[dict[str, Any]]:
     """All measurements, as rows with their bounds."""
-    return [*step_rows(), *run_rows(), *camera_rows(), *ima_pkf_speed.rows()]
+    return [*step_rows(), *estimator_rows(), *run_rows(), *camera_rows(), *ima_pkf_speed.rows()]
 
 
 def step_rows() -> list[dict[str, Any]]:
@@ -101,6 +102,27 @@ def _best(*actions: Callable[[], None]) -> list[float]:
             action()
             best[i] = min(best[i], (time.perf_counter() - start) / STEPS * 1e6)
     return best
+
+
+def estimator_rows() -> list[dict[str, Any]]:
+    """Time of the slip filter per wheel sample, compiled before, and the size of its state."""
+    scenario = replace(load("scenario", "plough-25cm"), course=Course(length_m=60.0))
+    done = run(scenario, estimators={})
+    estimator = load("estimator", "slip-ekf")
+    fresh = estimator.init(done.setup)
+    state, table = estimator.run(fresh, done.streams)
+    best_s = float("inf")
+    for _ in range(5):
+        start = time.perf_counter()
+        estimator.run(fresh, done.streams)
+        best_s = min(best_s, time.perf_counter() - start)
+    case = "slip-ekf, 50 Hz wheels, 50 Hz IMU, 20 Hz GNSS"
+    per_sample_us = best_s / len(table["epoch_ns"]) * 1e6
+    state_mb = len(pickle.dumps(state)) / 1e6
+    return [
+        row(case, "time per wheel sample, its reading included", per_sample_us, "us", high=10.0),
+        row(case, "state", state_mb, "MB", high=1.0),
+    ]
 
 
 def run_rows() -> list[dict[str, Any]]:

@@ -94,17 +94,20 @@ def _swing(x: Array, p: Array, dt: float, tuning: Record) -> None:
 @compiled
 def _mix(p: Array, target: int, source: Array) -> None:
     """P <- E P E^T for E the identity with the row `target` replaced by it plus `source`."""
+    at, n = np.empty(SIZE, np.int64), 0  # the few that are not zero
+    for k in range(SIZE):
+        if source[k] != 0.0:
+            at[n] = k
+            n += 1
     for j in range(SIZE):
         total = 0.0
-        for k in range(SIZE):
-            if source[k] != 0.0:
-                total += source[k] * p[k, j]
+        for m in range(n):
+            total += source[at[m]] * p[at[m], j]
         p[target, j] += total
     for i in range(SIZE):
         total = 0.0
-        for k in range(SIZE):
-            if source[k] != 0.0:
-                total += p[i, k] * source[k]
+        for m in range(n):
+            total += p[i, at[m]] * source[at[m]]
         p[i, target] += total
 
 
