@@ -8,7 +8,7 @@ import pytest
 
 from twin import cli, registry, run, scores
 from twin.errors import BadInput
-from twin.study import failed, missing, part, plan, read, work
+from twin.study import failed, missing, part, plan, read, table, work
 
 
 def test_rows_are_the_scores_of_the_run():
@@ -104,3 +104,22 @@ def test_signals_without_a_machine_are_a_run_like_any_other(tmp_path, monkeypatc
     capsys.readouterr()
     assert cli.main(["run", "ima-pkf", "--mask", "3", "4"]) == 2
     assert "has no GNSS receiver to mask" in capsys.readouterr().err
+
+
+def test_a_missing_or_torn_part_is_named_with_what_would_do(tmp_path):
+    cases = plan(["ima-pkf"], range(2), ["ratio"], {})
+    work(cases[:1], tmp_path, jobs=1)
+    with pytest.raises(BadInput, match=rf"{cases[1].part} is missing"):
+        read(cases, tmp_path)
+    (tmp_path / cases[1].part).write_bytes(b"PAR1")
+    with pytest.raises(BadInput, match=rf"{cases[1].part} is not a whole Parquet.*delete it"):
+        read(cases, tmp_path)
+
+
+def test_the_table_does_not_depend_on_how_many_parts_are_joined_at_once(tmp_path, monkeypatch):
+    cases = plan(["study.brought:ODD"], range(7), ["ratio"], {})
+    work(cases, tmp_path, jobs=1)
+    whole = read(cases, tmp_path)
+    monkeypatch.setattr(table, "AT_ONCE", 2)
+    assert read(cases, tmp_path).to_pylist() == whole.to_pylist()
+    assert whole.num_rows == 7
