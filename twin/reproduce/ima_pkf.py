@@ -17,7 +17,7 @@ import numpy as np
 from scenarios.ima_pkf import Trial, noise_sd, simulate
 from scenarios.ima_pkf_signals import RATE_HZ, SD
 from twin.reproduce.ima_pkf_methods import READINGS, adaptive, beside
-from twin.reproduce.ima_pkf_rows import measured, promises
+from twin.reproduce.ima_pkf_rows import leads, measured, promises
 from twin.reproduce.ima_pkf_trials import mean_and_interval, study
 from twin.rows import row
 
@@ -41,22 +41,24 @@ def rows(trials: int = 30, jobs: int = 1) -> Rows:
         cases = [Trial(seed=seed, track=track) for seed in seeds]
         case = f"{track}, faithful"
         found = study(cases, beside(biased=False) | adaptive(), jobs)
-        out += [*measured(case, found, PUBLISHED if track == "medium" else {}), floor(case, cases)]
+        out += measured(case, found, PUBLISHED if track == "medium" else {})
+        out += [floor(case, cases), *leads(case, found)]
         if track == "medium":
             out += promises(case, found, PUBLISHED["IMA-PKF"]["RMSE"])
     cases, case = [Trial(seed=s, noise="proportional") for s in seeds], "medium, noise 5 %"
     found = study(cases, beside(biased=False) | adaptive(), jobs)
-    out += [*measured(case, found, {}), floor(case, cases)]
+    out += [*measured(case, found, {}), floor(case, cases), *leads(case, found)]
     case = "medium, no wheel accelerometer, biased body's"
     cases = [Trial(seed=seed, wheel_accel=False, accel_bias_sd_mps2=0.1) for seed in seeds]
-    out += measured(case, study(cases, beside(biased=True) | adaptive(), jobs), {})
+    found = study(cases, beside(biased=True) | adaptive(), jobs)
+    out += [*measured(case, found, {}), *leads(case, found)]
     out.append(floor(case, cases) | {"quantity": "RMSE, closed-form floor had it both unbiased"})
     cases = [Trial(seed=seed) for seed in seeds]
     others = study(cases, beside(biased=False), jobs)
     for name, changes in READINGS.items():
         case = f"medium, {name}"
-        out += measured(case, others | study(cases, adaptive(**changes), jobs), {})
-        out.append(floor(case, cases))
+        found = others | study(cases, adaptive(**changes), jobs)
+        out += [*measured(case, found, {}), floor(case, cases), *leads(case, found)]
     return out
 
 

@@ -13,7 +13,7 @@ from typing import Any
 from scenarios.ima_pkf import Trial
 from twin.reproduce.ima_pkf import FIRST_SEED, floor
 from twin.reproduce.ima_pkf_methods import adaptive, beside
-from twin.reproduce.ima_pkf_rows import measured, promises
+from twin.reproduce.ima_pkf_rows import leads, measured, promises
 from twin.reproduce.ima_pkf_trials import study
 
 Rows = list[dict[str, Any]]
@@ -48,6 +48,7 @@ def rows(trials: int = 100, jobs: int = 1) -> Rows:
         case = f"{disturbance}, {PLACES[disturbed]}"
         out += measured(case, found, PUBLISHED if form == FAITHFUL else {})
         out.append(floor(case, [replace(c, disturbance="none") for c in cases]) | UNDISTURBED)
+        out += leads(case, found)
         if form == FAITHFUL:
             out += promises(case, found, PUBLISHED["IMA-PKF"]["RMSE"])
     return out
