@@ -1,20 +1,68 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from synthetic_run import synthetic_run
 
 from twin import report, scores
+from twin.report import figures
 from twin.report.page import flat, page
+from twin.report.rows import write_checks, write_intervals
+from twin.rows import row
 from twin.runfolder import Record
 
 RUN = synthetic_run(duration_s=20.0)
 SCORES = scores.score(RUN.truth, RUN.estimates, scenario="stub", seed=1)
 PAGE = page(RUN, SCORES)
+MEASURED = [
+    row("coasting", "deceleration", 0.64, "m/s2", low=0.63, high=0.66, reference=0.65),
+    row("<slope>", "creep", 0.4, "m", high=0.1),
+]
+SPREAD = [
+    {**row(case, "reward", value, "1"), "low": value - 0.1, "high": value + 0.2}
+    for case, value in (("pi", 0.5), ("constant", 0.4))
+]
+
+
+def written(write: Callable[..., None], *args: Any) -> str:
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "page.html"
+        write(file, *args)
+        return file.read_text(encoding="utf-8")
+
+
+CHECKS = written(write_checks, "Checks", "About.", {"Analytic": MEASURED}, "twin validate")
+MEANS = written(write_intervals, "Means", "About.", SPREAD, "twin compare-controllers")
+
+
+def test_a_page_of_checks_puts_what_fails_first() -> None:
+    assert "2 rows, 1 pass, 1 fail" in CHECKS
+    failing = CHECKS[CHECKS.index("What fails") : CHECKS.index("<figure>")]
+    assert "&lt;slope&gt;" in failing
+    assert "coasting" not in failing
+    assert "0.63 to 0.66" in CHECKS
+    assert "at most 0.1" in failing
+
+
+def test_a_page_of_means_gives_half_the_interval() -> None:
+    assert "0.500 ± 0.150" in MEANS
+    assert 'aria-label="reward"' in MEANS
+
+
+def test_power_that_goes_adds_up_in_its_figure() -> None:
+    n = len(RUN.truth["epoch_ns"])  # type: ignore[index]
+    parts = {"engine": 60e3, "drawbar": -36e3, "slip_long": -24e3}
+    truth = {**(RUN.truth or {}), **{f"power_{k}_w": np.full(n, v) for k, v in parts.items()}}
+    drawn = figures.power(truth, (6.0, 20.0))
+    assert all(text in drawn for text in ("36.0 kW, 60%", "24.0 kW, 40%", "of 60.0 kW"))
 
 
 class _Balance(HTMLParser):
@@ -33,14 +81,17 @@ class _Balance(HTMLParser):
 
 
 def test_every_element_is_closed() -> None:
-    checker = _Balance()
-    checker.feed(PAGE)
-    checker.close()
-    assert checker.open == []
+    for text in (PAGE, CHECKS, MEANS):
+        checker = _Balance()
+        checker.feed(text)
+        checker.close()
+        assert checker.open == []
 
 
 def test_nothing_is_fetched() -> None:
-    without_names = PAGE.replace("http://www.w3.org/", "")  # names of namespaces, not addresses
+    without_names = (PAGE + CHECKS + MEANS).replace(
+        "http://www.w3.org/", ""
+    )  # names of namespaces, not addresses
     assert not re.findall(
         r"""(?:src|href)=["'](?!data:|#)[^"']*|url\((?!#)|https?://""", without_names
     )
@@ -56,6 +107,8 @@ def test_all_figures_are_there_and_are_whole() -> None:
         "Path, east and north",
         "Draft and depth of ploughing over time",
         "Speeds over time",
+        "Where the engine's power goes",
+        "Squared slip error over reported variance",
     ]
 
 

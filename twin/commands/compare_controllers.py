@@ -31,6 +31,8 @@ class CompareControllers:
     """What the controllers see: estimate or truth."""
     json: Path | None = None
     """File for the rows."""
+    report: Path | None = None
+    """File for an HTML page: means with intervals, as table and figures."""
 
 
 def main(args: Sequence[str]) -> int:
@@ -40,8 +42,9 @@ def main(args: Sequence[str]) -> int:
     check_range("duration_s", options.duration_s, 6.0, 600.0)
     if options.observation not in OBSERVATIONS:
         raise UnknownName("observation", options.observation, OBSERVATIONS)
-    if options.json is not None and not options.json.parent.is_dir():
-        raise BadInput(f"--json {options.json}: there is no directory {options.json.parent}")
+    for name, path in (("--json", options.json), ("--report", options.report)):
+        if path is not None and not path.parent.is_dir():
+            raise BadInput(f"{name} {path}: there is no directory {path.parent}")
     from twin.control import compare, policy
     from twin.control.controllers import BASELINES, Controller
 
@@ -56,7 +59,25 @@ def main(args: Sequence[str]) -> int:
     print_comparison(found, list(controllers), options.episodes)
     if options.json is not None:
         rows_file.write(found, options.json)
+    if options.report is not None:
+        _report(found, options)
     return 0
+
+
+def _report(found: Sequence[Mapping[str, Any]], options: CompareControllers) -> None:
+    from twin.report import rows
+
+    about = (
+        f"Plough-v0, {options.episodes} held-out grounds of {options.duration_s:g} s, the same for "
+        f"all; controllers see the {options.observation}. Means and their 95 % intervals."
+    )
+    policies = "".join(f" --policy {file}" for file in options.policy)
+    command = (
+        f"twin compare-controllers --episodes {options.episodes} --duration-s "
+        f"{options.duration_s:g} --observation {options.observation}{policies}"
+    )
+    assert options.report is not None
+    rows.write_intervals(options.report, "Slip controllers", about, found, command)
 
 
 def print_comparison(found: Sequence[Mapping[str, Any]], names: Sequence[str], count: int) -> None:

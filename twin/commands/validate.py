@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from twin import rows as rows_file
 from twin.commands.bench import print_rows
 from twin.commands.parse import parse
 from twin.commands.terminal import console
 from twin.errors import BadInput, check_range
+
+if TYPE_CHECKING:
+    from twin.validate.check import Check
 
 BROKEN_PROMISE = 1
 
@@ -25,6 +29,8 @@ class Validate:
     """File for the rows."""
     out: Path | None = None
     """File for the page, such as VALIDATION.md."""
+    report: Path | None = None
+    """File for an HTML page: what fails, a figure and a table of each layer."""
     quick: bool = False
     """One seed of each field run: the same rows, more scatter, within a minute."""
 
@@ -34,7 +40,11 @@ def main(args: Sequence[str]) -> int:
     options = parse(Validate, args, prog="twin validate")
     if options.jobs != -1:
         check_range("jobs", options.jobs, 1, 1024)
-    for name, path in (("--json", options.json), ("--out", options.out)):
+    for name, path in (
+        ("--json", options.json),
+        ("--out", options.out),
+        ("--report", options.report),
+    ):
         if path is not None and (path.is_dir() or not path.absolute().parent.is_dir()):
             raise BadInput(f"{name} {path}: it must be a file in a directory that exists")
     from twin.validate import page, suite
@@ -47,10 +57,22 @@ def main(args: Sequence[str]) -> int:
         rows_file.write(measured, options.json)
     if options.out is not None:
         _write(page.text(found, quick=options.quick), options.out)
+    if options.report is not None:
+        _report(found, options.report, quick=options.quick)
     failed = [check for of_layer in found.values() for check in of_layer if not check.passed]
     said = f"{len(measured)} rows, {len(failed)} fail"
     console().print("; ".join([said, *(", ".join(c.name) for c in failed)]), highlight=False)
     return BROKEN_PROMISE if failed else 0
+
+
+def _report(found: Mapping[str, Sequence[Check]], path: Path, *, quick: bool) -> None:
+    from twin.report import rows
+    from twin.validate.suite import LAYERS
+
+    sections = {LAYERS[layer]: [c.row for c in checks] for layer, checks in found.items()}
+    about = "Sources, reasons and what is not validated stand in VALIDATION.md."
+    command = "twin validate --quick" if quick else "twin validate"
+    rows.write_checks(path, "Validation", about, sections, command)
 
 
 def _write(text: str, path: Path) -> None:

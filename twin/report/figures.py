@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import io
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -24,13 +25,25 @@ WIDTH_IN, HEIGHT_IN = 5.6, 2.7
 MOST_POINTS = 700
 """A line is thinned to this many points; the page shows no more."""
 
+NEES_BLOCK_S, LEAST_KW = 5.0, 0.001
+POWERS = {
+    "drawbar": ("power_drawbar_w",),
+    "slip": ("power_slip_long_w", "power_slip_lat_w"),
+    "rolling": ("power_rolling_w",),
+    "tyres, furrow wall": ("power_tyre_w", "power_wall_w", "power_depth_wheel_w"),
+    "engine's own": ("power_parasitic_w",),
+    "transmission": ("power_transmission_w", "power_driveline_w"),
+}
+"""What is drawn of the power balance, from the terms of truth."""
+
 SMALLEST_M = 1e-3
 """Sideslip that never reaches this is not drawn [m]."""
 
 STYLE: Any = {
     "svg.fonttype": "none",  # text stays text, in the page's own font
     "font.family": "sans-serif",
-    "font.size": 9.0,
+    "font.size": 10.0,
+    "legend.fontsize": 9.0,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.edgecolor": "#666",
@@ -145,6 +158,68 @@ def speeds(truth: Table | None, estimates: Estimates) -> str:
     return svg("Speeds over time", draw)
 
 
+def power(truth: Table | None, window: tuple[float, float] | None) -> str:
+    """Where the engine's power goes: means over the window."""
+    if truth is None or window is None or "power_engine_w" not in truth:
+        return ""
+    time = seconds(truth)
+    inside = (time >= window[0]) & (time <= window[1])
+    means = {
+        label: 1e-3 * sum(float(np.mean(np.abs(truth[c][inside]))) for c in terms if c in truth)
+        for label, terms in POWERS.items()
+    }
+    means = {label: kw for label, kw in means.items() if kw > LEAST_KW}
+    whole = 1e-3 * float(np.mean(np.abs(truth["power_engine_w"][inside])))
+    if not means or whole <= LEAST_KW:
+        return ""
+
+    def draw(axes: Axes) -> None:
+        places = np.arange(len(means))[::-1]
+        values = np.array(list(means.values()))
+        axes.barh(places, values, color="#0072B2", height=0.65)
+        for place, kw in zip(places, values, strict=True):
+            axes.text(kw, place, f" {kw:.1f} kW, {kw / whole:.0%}", va="center")
+        axes.set_yticks(places, list(means))
+        axes.set(xlabel=f"of {whole:.1f} kW at the engine", xlim=(0.0, 1.4 * float(values.max())))
+        axes.grid(False)
+
+    return svg("Where the engine's power goes", draw, left=0.25)
+
+
+def nees(truth: Table | None, estimates: Estimates, window: tuple[float, float] | None) -> str:
+    """Squared slip error over reported variance, means of blocks of time; 1 is honest."""
+    if truth is None or window is None or "slip" not in truth:
+        return ""
+    edges = np.linspace(*window, max(2, min(41, round((window[1] - window[0]) / NEES_BLOCK_S) + 1)))
+    lines = {}
+    for name, table in estimates.items():
+        if "slip" not in table or "slip_sd" not in table:
+            continue
+        error = table["slip"] - at(truth, "slip", table["epoch_ns"])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = (error / table["slip_sd"]) ** 2
+        known = np.isfinite(ratio)
+        time = seconds(table)[known]
+        count, _ = np.histogram(time, edges)
+        total, _ = np.histogram(time, edges, weights=ratio[known])
+        if np.any(count):
+            lines[name] = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    if not lines:
+        return ""
+
+    def draw(axes: Axes) -> None:
+        for name, colour in colours(estimates).items():
+            if name in lines:
+                middle = 0.5 * (edges[1:] + edges[:-1])
+                axes.plot(middle, lines[name], color=colour, marker=".", lw=1.0, label=name)
+        axes.axhline(1.0, color=TRUTH_COLOUR, lw=0.8)
+        axes.set(xlabel="time [s]", ylabel="NEES of slip", yscale="log")
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.yaxis.set_minor_formatter("{x:g}")
+
+    return svg("Squared slip error over reported variance", draw, left=0.16)
+
+
 def thinned(table: Table, most: int = MOST_POINTS) -> Table:
     """Every k-th row, at most about `most` of them."""
     stride = max(1, len(table["epoch_ns"]) // most)
@@ -215,22 +290,34 @@ def _finite(values: Array) -> Array:
     return values[np.isfinite(values)]
 
 
-def svg(title: str, draw: Callable[..., None], rows: int = 1) -> str:
+def svg(
+    title: str,
+    draw: Callable[..., None],
+    rows: int = 1,
+    *,
+    left: float = 0.14,
+    height_in: float = HEIGHT_IN,
+) -> str:
     """Draw into a fresh figure and give it as an SVG element with a title for screen readers."""
+    height_in *= 1.0 + 0.5 * (rows - 1)
     with _style():
-        figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN * (1.0 + 0.5 * (rows - 1))))
+        figure = Figure(figsize=(WIDTH_IN, height_in))
         axes = [figure.add_subplot(rows, 1, i + 1) for i in range(rows)]
         draw(*axes)
         _legend(axes[0])
         figure.subplots_adjust(
-            left=0.125, right=0.985, top=0.9, bottom=0.18 / rows**0.5, hspace=0.3
+            left=left,
+            right=0.985,
+            top=1.0 - 0.28 / height_in,
+            bottom=0.5 / height_in,
+            hspace=0.3,
         )
         text = io.StringIO()
         metadata = {"Date": None, "Creator": None, "Format": None, "Type": None}
         figure.savefig(text, format="svg", metadata=metadata, transparent=True)
     element = text.getvalue()
     element = element[element.index("<svg") :]
-    label = f'<svg role="img" aria-label="{title}" class="figure" '
+    label = f'<svg role="img" aria-label="{html.escape(title)}" class="figure" '
     return element.replace("<svg ", label, 1)
 
 

@@ -3,49 +3,16 @@
 from __future__ import annotations
 
 import html
-import platform
 from collections.abc import Iterable, Mapping
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 from twin.plain import to_plain
 from twin.report import figures
+from twin.report.html import document, made_with, table
+from twin.report.html import figures as figures_of
 from twin.runfolder import RunLike
 from twin.table import HEADERS, score_rows, slip_lines
-
-CSS = """
-:root { color-scheme: light; --ink: #1b1b1b; --soft: #5c5c5c; --line: #dcdcdc }
-* { box-sizing: border-box }
-body { margin: 0 auto; padding: 1.5rem 1rem 4rem; max-width: 72rem; color: var(--ink);
-  background: #fff; font: 16px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, sans-serif }
-h1 { font-size: 1.6rem; line-height: 1.2; margin: 0 0 .3rem; overflow-wrap: anywhere }
-h2 { font-size: 1.1rem; margin: 2.2rem 0 .5rem }
-p { margin: .4rem 0 }
-p.soft { max-width: 45rem }
-li { overflow-wrap: anywhere }
-.soft, figcaption { color: var(--soft); font-size: .9rem }
-.wide { overflow-x: auto }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem }
-th, td { padding: .3rem .6rem; text-align: right; white-space: nowrap }
-th, td { border-bottom: 1px solid var(--line) }
-th:first-child, td:first-child { text-align: left; padding-left: 0 }
-thead th { color: var(--soft); font-weight: 600 }
-dl { display: grid; grid-template-columns: repeat(auto-fill, minmax(9rem, 1fr)) }
-dl { gap: .6rem 1rem; margin: .8rem 0 }
-dt { color: var(--soft); font-size: .85rem }
-dd { margin: 0; font-size: 1.15rem; font-variant-numeric: tabular-nums }
-.figures { display: grid; gap: 0 2rem; align-items: start;
-  grid-template-columns: repeat(auto-fit, minmax(min(100%, 27rem), 1fr)) }
-figure { margin: .3rem 0 0 }
-svg.figure { width: 100%; height: auto; display: block }
-code, pre { font: .88rem/1.5 ui-monospace, "SF Mono", Menlo, Consolas, monospace }
-pre { background: #f5f5f5; padding: .7rem .9rem; white-space: pre-wrap; overflow-wrap: anywhere }
-.parameters td { white-space: normal; overflow-wrap: anywhere }
-@media print { body { max-width: none; font-size: 11pt } section { break-inside: avoid } }
-"""
-
-VERSIONS = ("tractor-twin", "mujoco", "numpy", "numba", "rerun-sdk")
 
 
 def write(run: RunLike, scores: Mapping[str, Any], path: Path) -> None:
@@ -65,22 +32,15 @@ def page(run: RunLike, scores: Mapping[str, Any]) -> str:
     seed = scores.get("seed")
     title = name if seed is None else f"{name}, seed {seed}"
     parts = [
-        f"<h1>{html.escape(title)}</h1>",
         f'<p class="soft">{html.escape(_what(run, scores))}</p>',
         _driven(scores.get("truth") or {}),
         _headline(scores),
         _found(scores),
-        f'<div class="figures">{"".join(_figures(run, scores))}</div>',
+        figures_of(_figures(run, scores)),
         _parameters(run.scenario),
         _again(name, seed, run.scenario),
     ]
-    head = (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        '<link rel="icon" href="data:,">'
-        f"<title>{html.escape(title)}</title><style>{CSS}</style></head><body>"
-    )
-    return head + "\n".join(p for p in parts if p) + "</body></html>\n"
+    return document(title, parts)
 
 
 def _what(run: RunLike, scores: Mapping[str, Any]) -> str:
@@ -123,16 +83,17 @@ def _headline(scores: Mapping[str, Any]) -> str:
 
 def _found(scores: Mapping[str, Any]) -> str:
     """What a recorded drive says of itself, and what was handled in reading it."""
-    lines = [*slip_lines(scores), *(f"Note: {note}" for note in scores.get("notes", ()))]
+    lines = [*slip_lines(scores), *scores.get("notes", ())]
     items = "".join(f"<li>{html.escape(line)}</li>" for line in lines)
-    return f"<h2>Slip of the drive</h2><ul>{items}</ul>" if lines else ""
+    title = "Slip of the drive" if slip_lines(scores) else "Notes"
+    return f"<h2>{title}</h2><ul>{items}</ul>" if lines else ""
 
 
-def _figures(run: RunLike, scores: Mapping[str, Any]) -> Iterable[str]:
+def _figures(run: RunLike, scores: Mapping[str, Any]) -> Iterable[tuple[str, str, str]]:
     window = tuple(scores["window_s"]) if scores.get("window_s") else None
     truth, estimates = run.truth, run.estimates
     scored = truth is not None and window is not None and "slip" in truth
-    drawn = (
+    return (
         ("Slip", figures.slip(truth, estimates, window),
          "Black: truth. Bands: ±2 reported standard deviations. Grey: what is scored."),
         ("Slip error", figures.histogram(truth, estimates, window)  # type: ignore[arg-type]
@@ -142,11 +103,10 @@ def _figures(run: RunLike, scores: Mapping[str, Any]) -> Iterable[str]:
         ("Path", figures.path(truth, run.streams), "East and north differ in scale."),
         ("Draft and depth", figures.draft(truth), ""),
         ("Speeds", figures.speeds(truth, estimates), "At the rear-axle centre."),
+        ("Power", figures.power(truth, window), "Means within the scored window."),
+        ("Honesty", figures.nees(truth, estimates, window),
+         "Above 1 an estimator promises too much, below it too little."),
     )  # fmt: skip
-    for title, svg, caption in drawn:
-        if svg:
-            figure = f"<figure>{svg}<figcaption>{caption}</figcaption></figure>"
-            yield f"<section><h2>{title}</h2>{figure}</section>"
 
 
 def _parameters(scenario: Any) -> str:
@@ -169,28 +129,7 @@ def flat(value: Any, prefix: str = "") -> list[tuple[str, str]]:
 
 
 def _again(name: str, seed: int | None, scenario: Any) -> str:
-    own = "" if seed is None else f" --seed {seed}"
-    command = f"<pre>twin run {html.escape(name)}{own}</pre>" if scenario is not None else ""
-    note = '<p class="soft">Overrides, if any, are in scenario.json beside this page.</p>'
-    rerun = f"<h2>Do it again</h2>{command}{note}" if command else "<h2>Made with</h2>"
-    return f'{rerun}<p class="soft">{html.escape(_versions())}</p>'
-
-
-def _versions() -> str:
-    found = [f"Python {platform.python_version()}"]
-    for package in VERSIONS:
-        try:
-            found.append(f"{package} {metadata.version(package)}")
-        except metadata.PackageNotFoundError:  # from a bare checkout
-            continue
-    return ", ".join(found)
-
-
-def table(headers: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    """A table as HTML; its cells are text."""
-    head = "".join(f"<th>{html.escape(h)}</th>" for h in headers)
-    body = "".join(
-        "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
-    )
-    lines = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-    return f'<div class="wide">{lines}</div>'
+    if scenario is None:
+        return made_with()
+    command = f"twin run {name}" + ("" if seed is None else f" --seed {seed}")
+    return made_with(command, "Overrides, if any, are in scenario.json beside this page.")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from twin.report.page import CSS, table
+from twin.report.html import document, made_with, table
 
 Rows = Sequence[Mapping[str, Any]]
 
@@ -37,14 +37,12 @@ def page(title: str, rows: Rows, story: Story) -> str:
         for caption, draw in story.figures
     )
     parts = [
-        f"<h1>{html.escape(title)}</h1>",
         *(f"<p>{html.escape(text)}</p>" for text in story.paragraphs),
         f'<div class="figures">{figures}</div>' if figures else "",
         *(_section(case, found) for case, found in _cases(rows).items()),
+        made_with(),
     ]
-    head = f"<meta charset='utf-8'><title>{html.escape(title)}</title><style>{CSS}</style>"
-    body = "\n".join(part for part in parts if part)
-    return f"<!doctype html><html lang='en'><head>{head}</head><body>{body}</body></html>\n"
+    return document(title, parts)
 
 
 def _cases(rows: Rows) -> dict[str, list[Mapping[str, Any]]]:

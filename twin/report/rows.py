@@ -1,0 +1,166 @@
+"""Reports of rows of figures: checks against their tolerance, means with their intervals."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from twin.report.figures import svg
+from twin.report.html import document, figures, made_with, table
+
+Rows = Sequence[Mapping[str, Any]]
+
+BLUE, RED, GREY = "#0072B2", "#D55E00", "#e8e8e8"
+BEYOND = 1.6
+"""A figure further outside its band than this is drawn here, as an arrow."""
+ROW_IN = 0.19
+
+
+def write_intervals(path: Path, title: str, about: str, rows: Rows, command: str) -> None:
+    """Means with 95 % intervals: a figure for each quantity, a line for each case.
+
+    Args:
+        path: the .html file.
+        title, about: heading, and what was done, in a sentence.
+        rows: as `twin.rows` has them, the interval in `low` and `high`.
+        command: what does it again.
+    """
+    quantities = list(dict.fromkeys(row["quantity"] for row in rows))
+    drawn = [
+        (_named(q, rows), interval_figure(q, [r for r in rows if r["quantity"] == q]), "")
+        for q in quantities
+    ]
+    cases = list(dict.fromkeys(row["case"] for row in rows))
+    cells = {(row["case"], row["quantity"]): row for row in rows}
+    lines = [[case, *(_cell(cells.get((case, q))) for q in quantities)] for case in cases]
+    parts = [
+        f'<p class="soft">{html.escape(about)}</p>',
+        table(["", *(_named(q, rows) for q in quantities)], lines),
+        figures(drawn),
+        made_with(command),
+    ]
+    path.write_text(document(title, parts), encoding="utf-8")
+
+
+def write_checks(
+    path: Path, title: str, about: str, sections: Mapping[str, Rows], command: str
+) -> None:
+    """Checks, each within its tolerance or not: a figure and a table for each section."""
+    every = [row for rows in sections.values() for row in rows]
+    failed = [row for row in every if not row.get("passed", True)]
+    said = f"{len(every)} rows, {len(every) - len(failed)} pass, {len(failed)} fail. {about}"
+    parts = [f'<p class="soft">{html.escape(said)}</p>']
+    if failed:
+        parts += ["<h2>What fails</h2>", _check_table(failed)]
+    parts += [
+        figures(
+            (name, band_figure(rows), "Grey: the tolerance. Each dot is a row of the table below.")
+            for name, rows in sections.items()
+            if rows
+        )
+    ]
+    for name, rows in sections.items():
+        if rows:
+            parts.append(f"<h2>{html.escape(name)}</h2>{_check_table(rows)}")
+    path.write_text(document(title, [*parts, made_with(command)]), encoding="utf-8")
+
+
+def interval_figure(quantity: str, rows: Rows) -> str:
+    """A dot and its interval for each case."""
+    values = np.array([row["ours"] for row in rows])
+    reach = np.array([[r["ours"] - r.get("low", r["ours"]) for r in rows],
+                      [r.get("high", r["ours"]) - r["ours"] for r in rows]])  # fmt: skip
+
+    def draw(axes: Axes) -> None:
+        places = np.arange(len(rows))[::-1]
+        axes.errorbar(values, places, xerr=np.maximum(reach, 0.0), fmt="o", color=BLUE, capsize=3)
+        axes.set_yticks(places, [row["case"] for row in rows])
+        axes.set_ylim(-0.6, len(rows) - 0.4)
+        axes.grid(axis="y", visible=False)
+        axes.set_xlabel(_unit(quantity, rows))
+        axes.locator_params(axis="x", nbins=6)
+
+    return svg(quantity, draw, left=0.27, height_in=0.9 + 2.0 * ROW_IN * len(rows))
+
+
+def band_figure(rows: Rows) -> str:
+    """Where in its tolerance each figure lies: -1 and 1 are the ends, 0 the middle."""
+    places = np.array([_place(row) for row in rows])
+
+    def draw(axes: Axes) -> None:
+        axes.axvspan(-1.0, 1.0, color=GREY, lw=0)
+        shown = np.clip(places, -BEYOND, BEYOND)
+        for passed, colour, marker in ((True, BLUE, "o"), (False, RED, "D")):
+            chosen = np.array([bool(row.get("passed", True)) is passed for row in rows])
+            order = np.arange(len(rows))[::-1]
+            axes.plot(shown[chosen], order[chosen], marker, color=colour, ms=4.0,
+                      label="pass" if passed else "fail")  # fmt: skip
+        axes.set(xlim=(-BEYOND - 0.1, BEYOND + 0.1), yticks=[], xlabel="place in the tolerance")
+        axes.set_xticks([-1.0, 0.0, 1.0], ["low", "middle", "high"])
+        axes.grid(False)
+
+    return svg("Rows within their tolerance", draw, height_in=1.1 + 0.5 * ROW_IN * len(rows))
+
+
+def _place(row: Mapping[str, Any]) -> float:
+    """-1 at the low end of the tolerance, 1 at the high one; of a single bound the share of it."""
+    low, high, ours = row.get("low"), row.get("high"), float(row["ours"])
+    if low is not None and high is not None:
+        half = max(0.5 * (high - low), 1e-12)
+        return float((ours - 0.5 * (low + high)) / half)
+    bound = high if high is not None else low
+    if bound is None:
+        return 0.0
+    size = max(abs(bound), 1e-12)
+    return float(1.0 - (bound - ours) / size if high is not None else (bound - ours) / size - 1.0)
+
+
+def _check_table(rows: Rows) -> str:
+    lines = [
+        [
+            row["case"],
+            row["quantity"],
+            _number(row["ours"]),
+            _number(row.get("published", row.get("reference"))),
+            _tolerance(row),
+            "" if row.get("unit", "1") == "1" else str(row["unit"]),
+            "pass" if row.get("passed", True) else "FAIL",
+        ]
+        for row in rows
+    ]
+    return table(["case", "quantity", "ours", "reference", "tolerance", "unit", ""], lines)
+
+
+def _tolerance(row: Mapping[str, Any]) -> str:
+    low, high = row.get("low"), row.get("high")
+    if low is not None and high is not None:
+        return f"{_number(low)} to {_number(high)}"
+    if high is not None:
+        return f"at most {_number(high)}"
+    return "" if low is None else f"at least {_number(low)}"
+
+
+def _number(value: Any) -> str:
+    return "" if value is None else f"{value:.4g}"
+
+
+def _cell(row: Mapping[str, Any] | None) -> str:
+    if row is None:
+        return ""
+    half = 0.5 * (row.get("high", row["ours"]) - row.get("low", row["ours"]))
+    return f"{row['ours']:.3f} ± {half:.3f}"
+
+
+def _named(quantity: str, rows: Rows) -> str:
+    unit = _unit(quantity, rows)
+    return f"{quantity.replace('_', ' ')}{f' [{unit}]' if unit else ''}"
+
+
+def _unit(quantity: str, rows: Rows) -> str:
+    unit = next(str(row.get("unit", "1")) for row in rows if row["quantity"] == quantity)
+    return "" if unit == "1" else unit
