@@ -48,10 +48,14 @@ def stub(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Any]:
     driven: list[Any] = []
 
     def drive(
-        scenario: Any, *, estimators: Any, progress: Callable[[float], None], frames: Path | None
+        scenario: Any,
+        *,
+        estimators: Any,
+        progress: Callable[[float, float], None],
+        frames: Path | None,
     ) -> Any:
         driven.append(scenario)
-        progress(1.0)
+        progress(1.0, 20.0)
         record = synthetic_run(scenario=scenario, duration_s=12.0)
         return SimpleNamespace(**vars(record), ended="course driven", notes=(NOTE,))
 
@@ -265,3 +269,10 @@ PLAIN_BOX = """
 @pytest.mark.parametrize("box", [BOX, PLAIN_BOX])
 def test_boxes_become_a_line(box: str) -> None:
     assert one_line(box.lstrip("\n")) == "soil.friction = 9 is outside [0.05, 1.5]"
+
+
+def test_the_pace_is_told_where_time_is_simulated() -> None:
+    from twin.commands.terminal import pace
+
+    assert pace(42.0, 2.0) == "42 s driven, 21.0 x real time"
+    assert pace(None, 2.0) == ""

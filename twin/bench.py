@@ -153,7 +153,7 @@ import resource, sys
 from twin.bench import whole_frames
 from twin.machine.build import build
 from twin.run import sense
-sense(build(whole_frames(float(sys.argv[1]))), ("rl", "rr"), lambda fraction: None)
+sense(build(whole_frames(float(sys.argv[1]))), ("rl", "rr"), lambda *_: None)
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
 
@@ -191,7 +191,7 @@ def camera_rows() -> list[dict[str, Any]]:
 
 def _sense(machine: Machine) -> float:
     """Drive a machine with its sensors; the time driven [s]."""
-    _, true, _ = sense(machine, ("rl", "rr"), lambda fraction: None)
+    _, true, _ = sense(machine, ("rl", "rr"), lambda *_: None)
     return float(true["epoch_ns"][-1] - true["epoch_ns"][0]) * 1e-9
 
 
@@ -199,7 +199,7 @@ def _odometry_ms() -> float:
     """Median time of a frame's odometry, the frames drawn before."""
     machine = build(whole_frames(0.0, odometry="none"))
     short = replace(machine.scenario, course=Course(length_m=2.0))
-    streams, *_ = sense(replace(machine, scenario=short), ("rl", "rr"), lambda fraction: None)
+    streams, *_ = sense(replace(machine, scenario=short), ("rl", "rr"), lambda *_: None)
     drawn = {} if streams.frames is None else {n: streams.frames[n] for n in streams.frames}
     seen = Streams({n: streams[n] for n in ("camera", "imu")}, drawn)
     odometry = attribute("odometry", ODOMETRY)

@@ -27,6 +27,8 @@ from twin.scenario import Scenario
 from twin.sensors import Sensors
 from twin.streams import Frames, Setup, Streams, Table, concatenate
 
+Progress = Callable[[float, float], None]
+"""Told the share of the course driven, 0 to 1, and the time driven [s]."""
 KEPT_EVERY = 10
 """Of the camera's frames every so many are kept to be looked at."""
 
@@ -78,7 +80,7 @@ def run(
     scenario: Scenario | Measured,
     *,
     estimators: Mapping[str, Estimator],
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
     frames: Path | None = None,
 ) -> Run:
     """Drive a scenario, sense it, and estimate from what was sensed.
@@ -86,7 +88,7 @@ def run(
     Args:
         scenario: what is driven, with its seed.
         estimators: by name; each sees the set-up and the streams, nothing else.
-        progress: told the fraction of the course driven, from 0 to 1.
+        progress: told how far it is.
         frames: folder where the camera's frames are saved as PNG.
 
     Raises:
@@ -111,7 +113,7 @@ def run(
     return Run(scenario, setup, streams, true, estimates, wall_s, ended, kept, said)
 
 
-def _silent(fraction: float) -> None:
+def _silent(fraction: float, driven_s: float) -> None:
     """Nobody wants to know."""
 
 
@@ -134,7 +136,7 @@ def _ended(machine: Machine, true: Table) -> str:
 def sense(
     machine: Machine,
     driven: tuple[str, ...],
-    progress: Callable[[float], None],
+    progress: Progress,
     frames: Path | None = None,
 ) -> tuple[Streams, Table, Frames | None]:
     """Drive a machine, after its calibration.
@@ -142,7 +144,7 @@ def sense(
     Args:
         machine: what is driven.
         driven: its driven wheels.
-        progress: told the fraction of the course driven.
+        progress: told how far it is.
         frames: folder where the camera's frames are saved as PNG.
 
     Returns:
@@ -153,7 +155,7 @@ def sense(
     fitted = sensors.faults_from(scenario.sensors, recording.start_ns * 1e-9)
     state = sensors.init(fitted, scenario.seed)
     tracker = _tracker(fitted, machine, frames)
-    course_m, driven_m = length_m(scenario), 0.0
+    course_m, driven_m, driven_s = length_m(scenario), 0.0, 0.0
     streams, parts, kept = [], [], list[Frames]()
     with ThreadPoolExecutor(1) as pool:
         for chunk in itertools.chain(recording.chunks, run_chunks):
@@ -168,9 +170,10 @@ def sense(
                 parts.append(truth.sample(chunk, driven))
                 place_w = chunk["position_w"]
                 driven_m += float(np.linalg.norm(place_w[-1] - place_w[0]))
-                progress(min(1.0, driven_m / course_m))
+                driven_s = float(chunk.epoch_ns[-1] - recording.start_ns) * 1e-9
+                progress(min(1.0, driven_m / course_m), driven_s)
     full_depth_m = None if scenario.plough is None else FULL_DEPTH * scenario.plough.depth_m
-    progress(1.0)
+    progress(1.0, driven_s)
     table = truth.integrate(truth.concatenate(parts), full_depth_m)
     true = {name: np.ascontiguousarray(c) for name, c in table.items()}
     return concatenate(streams), true, ChainMap(*kept) if kept else None  # type: ignore[arg-type]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, Protocol
 
 from rich.console import Console
 
@@ -56,12 +56,19 @@ def _title(scores: Mapping[str, Any]) -> str:
     return ", ".join(said)
 
 
+class Tell(Protocol):
+    """Takes the share done, and the time simulated where there is one."""
+
+    def __call__(self, share: float, simulated_s: float | None = None, /) -> None:
+        """Tell that a share from 0 to 1 is done."""
+
+
 @contextmanager
-def progress(label: str, *, shown: bool) -> Iterator[Callable[[float], None]]:
-    """A bar on stderr for something that reports the share done, 0 to 1; silent off a terminal."""
+def progress(label: str, *, shown: bool) -> Iterator[Tell]:
+    """A bar on stderr, with simulated time, speed and time left; silent off a terminal."""
     err = console(stderr=True)
     if not (shown and err.is_terminal):
-        yield lambda share: None
+        yield lambda share, simulated_s=None, /: None
         return
     from rich.progress import (
         BarColumn,
@@ -71,10 +78,25 @@ def progress(label: str, *, shown: bool) -> Iterator[Callable[[float], None]]:
         TimeRemainingColumn,
     )
 
-    columns = (TextColumn(label), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(),
+        TextColumn("{task.fields[pace]}"), TimeRemainingColumn(),
+    )  # fmt: skip
+    watch = Stopwatch()
     with Progress(*columns, console=err, transient=True) as bar:
-        task = bar.add_task(label, total=1.0)
-        yield lambda share: bar.update(task, completed=min(share, 1.0))
+        task = bar.add_task(label, total=1.0, pace="")
+
+        def tell(share: float, simulated_s: float | None = None, /) -> None:
+            bar.update(task, completed=min(share, 1.0), pace=pace(simulated_s, watch.seconds()))
+
+        yield tell
+
+
+def pace(simulated_s: float | None, wall_s: float) -> str:
+    """`42 s driven, 19 x real time`; nothing where nothing is simulated."""
+    if simulated_s is None or wall_s <= 0.0:
+        return ""
+    return f"{simulated_s:.0f} s driven, {simulated_s / wall_s:.1f} x real time"
 
 
 class Stopwatch:
