@@ -136,7 +136,7 @@ def test_a_start_on_a_slope_is_settled_on_it(machine):
     assert load_n == pytest.approx(weight_n * tilt, rel=0.02)
     speed = true["speed_mps"][0]
     for _ in range(50):
-        fleet.drive(np.array([[starts.start_throttle(machine), -1.0]]), record=False)
+        fleet.drive(fleet.rolling(), record=False)
     assert fleet.true()["speed_mps"][0] == pytest.approx(speed, abs=0.02)
 
 

@@ -318,9 +318,10 @@ def test_a_run_imports_no_gymnasium():
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
+@pytest.mark.parametrize("name", IDS)
 @pytest.mark.parametrize("mode", MODES)
-def test_stable_baselines3_finds_nothing_to_say(mode):
+def test_stable_baselines3_finds_nothing_to_say(name, mode):
     pytest.importorskip("stable_baselines3")
     from stable_baselines3.common.env_checker import check_env as check_for_learning
 
-    check_for_learning(gymnasium.make("twin.env:Plough-v0", observation=mode))
+    check_for_learning(gymnasium.make(f"twin.env:{name}", observation=mode))

@@ -6,15 +6,22 @@
     )
 
 Plough-v0     throttle and hitch depth of a ploughing tractor, for slip, depth and work rate
+WheelSlip-v0  torque of each rear wheel of an electric tractor that pulls, for slip and sideslip
 """
 
 from gymnasium import register
 
-IDS = ("Plough-v0",)
+IDS = ("Plough-v0", "WheelSlip-v0")
 
 register(
     id="Plough-v0",
     entry_point="twin.env.plough:PloughEnv",
     vector_entry_point="twin.env.vector:PloughVectorEnv",
     max_episode_steps=1500,
+)
+register(
+    id="WheelSlip-v0",
+    entry_point="twin.env.wheel_slip:WheelSlipEnv",
+    vector_entry_point="twin.env.vector:WheelSlipVectorEnv",
+    max_episode_steps=1000,
 )

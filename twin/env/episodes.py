@@ -10,66 +10,84 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from twin import registry
-from twin.env import observations, reward
+from twin.env import observations
 from twin.env.fleet import Fleet
-from twin.env.grounds import Ground, lies
+from twin.env.grounds import Ground, Lie, Recipe
 from twin.env.instruments import Instruments
-from twin.env.starts import Starts, start_throttle
+from twin.env.observations import Entry
+from twin.env.starts import Starts
 from twin.errors import BadInput, UnknownName, check_range
-from twin.machine.build import build
-from twin.scenario import Course, Plough, Scenario
-from twin.sensors.machine import Bus, fuel_lph
+from twin.run import Estimator
 
 Array = NDArray[np.float64]
 
-ACTIONS = ("throttle", "hitch")
-KNOWN = ("slip", "depth_m", "speed_mps", "draft_n", "traction_efficiency")
 STALL_MPS, STALL_S = 0.05, 1.0
 """Slower than this for this long is a stall."""
 
 
+def asked(observation: str, estimator: str, slip_target: float) -> Estimator | None:
+    """The estimator that an environment's arguments name, if they need one.
+
+    Raises:
+        UnknownName, OutOfRange: an argument that cannot be.
+    """
+    if observation not in observations.MODES:
+        raise UnknownName("observation", observation, observations.MODES)
+    check_range("slip_target", slip_target, 0.02, 0.4)
+    return registry.load("estimator", estimator) if observation == "estimate" else None
+
+
 class Episodes:
-    """Tractors that plough, each in an episode of its own; nothing here knows of time limits."""
+    """Tractors, each in an episode of its own; nothing here knows of time limits.
+
+    What is asked of them stands in a subclass: machine, observations, reward, what is known.
+    """
+
+    actions_named: tuple[str, str]
+    recipe: Recipe
+    slip_target: float
 
     def __init__(
         self,
-        observation: str,
-        estimator: str,
-        depth_m: float,
-        slip_target: float,
-        nsim: int = 1,
-        nthread: int = 1,
+        fleet: Fleet,
+        lies: Sequence[Lie],
+        entries: tuple[Entry, ...],
+        estimator: Estimator | None,
+        *,
+        seen: bool,
     ) -> None:
-        if observation not in observations.MODES:
-            raise UnknownName("observation", observation, observations.MODES)
-        check_range("slip_target", slip_target, 0.02, 0.4)
-        self.depth_m, self.slip_target = float(depth_m), float(slip_target)
-        scenario = Scenario(
-            name="Plough-v0",
-            plough=Plough(depth_m=self.depth_m),
-            course=Course(approach_m=1.0),  # the last furrow is there from the start
-        )
-        machine = build(scenario)
-        numbers = machine.numbers
-        self.width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
-        self.fleet, self.lies = Fleet(machine, nsim, nthread), lies(self.depth_m)
-        self.starts = Starts(machine, seen=observation != "truth", nthread=nthread)
-        self.starts.of(self.lies)
+        nsim, machine = len(fleet.steer_rad), fleet.machine
+        self.fleet, self.lies = fleet, lies
+        nthread = fleet.batch.nthread
+        self.starts = Starts(machine, seen=seen, nthread=nthread, kind=type(fleet))
+        self.starts.of(lies)
         self.instruments: list[Instruments] = []
-        if observation != "truth":
-            wanted = registry.load("estimator", estimator) if observation == "estimate" else None
-            self.instruments = [Instruments(machine, wanted) for _ in range(nsim)]
-        self.entries = observations.MODES[observation]
-        self.observation_space = observations.space(self.entries)
-        self.action_space = Box(-1.0, 1.0, (len(ACTIONS),), np.float32)
-        self.actions, self.standing_s = np.zeros((nsim, len(ACTIONS))), np.zeros(nsim)
+        if seen:
+            self.instruments = [Instruments(machine, estimator) for _ in range(nsim)]
+        self.entries = entries
+        self.observation_space = observations.space(entries)
+        self.action_space = Box(-1.0, 1.0, (len(self.actions_named),), np.float32)
+        self.actions = np.zeros((nsim, len(self.actions_named)))
+        self.standing_s = np.zeros(nsim)
+
+    def terms(self, true: Mapping[str, Array]) -> dict[str, Array]:
+        """The terms of the reward by name, each of shape (nsim,)."""
+        raise NotImplementedError
+
+    def task(self, ids: Any) -> dict[str, Any]:
+        """What every observation ends with, of some tractors."""
+        raise NotImplementedError
+
+    def info(self, true: Mapping[str, Array]) -> dict[str, Array]:
+        """What is true now and worth knowing of each tractor, each of shape (nsim,)."""
+        raise NotImplementedError
 
     def begin(self, ids: Sequence[int], grounds: Sequence[Ground]) -> None:
         """Begin the episodes of some tractors."""
         starts = self.starts.of([ground.lie for ground in grounds])
         self.fleet.restore(ids, starts, grounds)
         self.standing_s[ids] = 0.0
-        self.actions[ids] = start_throttle(self.fleet.machine), -1.0
+        self.actions[ids] = [start.action for start in starts]
         if self.instruments:
             for i, start, ground in zip(ids, starts, grounds, strict=True):
                 if start.approach is not None:
@@ -89,8 +107,7 @@ class Episodes:
 
     def rewards(self, true: Mapping[str, Array]) -> tuple[Array, dict[str, Array]]:
         """Rewards of the control step (nsim,), and their terms as `reward_<term>`."""
-        terms = reward.terms(true, self.width_m, self.depth_m, self.slip_target)
-        total = np.zeros(len(self.actions))
+        terms, total = self.terms(true), np.zeros(len(self.actions))
         for value in terms.values():
             total = total + value
         return total, {f"reward_{name}": value for name, value in terms.items()}
@@ -102,34 +119,19 @@ class Episodes:
             chosen = np.arange(len(self.instruments))[ids]
             each = [self.instruments[i].values() for i in chosen]
             values = {name: np.array([one[name] for one in each]) for name in each[0]}
-        task: dict[str, Any] = {
-            "throttle": self.actions[ids, 0],
-            "lift_set_rad": self.fleet.lift_rad[ids],
-            "slip_target": self.slip_target,
-            "depth_target_m": self.depth_m,
-        }
-        count = len(task["throttle"])
-        return observations.pack({**values, **task}, self.entries, self.observation_space, count)
-
-    def info(self, true: Mapping[str, Array]) -> dict[str, Array]:
-        """What is true now and worth knowing of each tractor, each of shape (nsim,)."""
-        rate_m2ps = reward.work_rate_m2ps(true, self.width_m, self.depth_m)
-        power_w = true["engine_torque_nm"] * true["engine_radps"]
-        return {
-            **{name: true[name] for name in KNOWN},
-            "work_rate_haph": rate_m2ps * 0.36,
-            "fuel_lph": fuel_lph(power_w, Bus().rated_power_w),
-        }
+        count = len(self.actions[ids])
+        seen = {**values, **self.task(ids)}
+        return observations.pack(seen, self.entries, self.observation_space, count)
 
 
-def checked(action: Any, batch: tuple[int, ...]) -> Array:
-    """Actions as numbers within [-1, 1], (*batch, 2).
+def checked(action: Any, batch: tuple[int, ...], names: Sequence[str]) -> Array:
+    """Actions of these names as numbers within [-1, 1], (*batch, 2).
 
     Raises:
         BadInput: one that cannot be meant.
     """
-    shape = (*batch, len(ACTIONS))
-    wanted = f"{len(ACTIONS)} numbers in [-1, 1]: {', '.join(ACTIONS)}"
+    shape = (*batch, len(names))
+    wanted = f"{len(names)} numbers in [-1, 1]: {', '.join(names)}"
     try:
         taken = np.asarray(action, dtype=np.float64)
     except (TypeError, ValueError):
@@ -138,6 +140,6 @@ def checked(action: Any, batch: tuple[int, ...]) -> Array:
         raise BadInput(f"action has shape {taken.shape}, not {shape}; give {wanted}")
     if not np.isfinite(taken).all():
         place = tuple(np.argwhere(~np.isfinite(taken))[0].tolist())
-        where, name = ", ".join(map(str, place)), ACTIONS[place[-1]]
+        where, name = ", ".join(map(str, place)), names[place[-1]]
         raise BadInput(f"action[{where}] ({name}) = {taken[place]} is not finite; give {wanted}")
     return np.minimum(np.maximum(taken, -1.0), 1.0)

@@ -24,7 +24,7 @@ from twin.machine.simulate import CONTROLS, DECISION_S
 from twin.machine.start import Diverged
 from twin.machine.trajectory import Trajectory
 from twin.physics import block
-from twin.physics.block import Field
+from twin.physics.block import Field, Wheel
 from twin.streams import WHEELS
 
 Array = NDArray[np.float64]
@@ -49,6 +49,8 @@ class Start:
     """How far along the course it stands [m]."""
     steer_rad: float
     lift_rad: float
+    action: tuple[float, float]
+    """The action that keeps it rolling so."""
 
 
 def lift_rad(machine: Machine, depth_set_m: Any) -> Any:
@@ -77,6 +79,12 @@ def governor(machine: Machine, throttle: Any) -> Any:
     return (set_rpm - idle) / (top - idle)
 
 
+def start_throttle(machine: Machine) -> float:
+    """The throttle action that sets the scenario's engine speed."""
+    set_rpm = machine.scenario.drive.engine_set_rpm
+    return 2.0 * (set_rpm - SLOWEST_RPM) / (FASTEST_RPM - SLOWEST_RPM) - 1.0
+
+
 def depth_set_m(hitch: Any) -> Any:
     """Depth set point of a hitch action in [-1, 1]; elementwise [m]."""
     return RAISED_M + 0.5 * (hitch + 1.0) * (DEEPEST_M - RAISED_M)
@@ -98,7 +106,8 @@ class Fleet:
         self.sensordata = self.batch.bind("sensordata")
         self.period_s = DECISION_S
         self.steps = round(DECISION_S / model.opt.timestep)
-        self.controls = {name: model.actuator(name).id for name in CONTROLS}
+        has = {model.actuator(i).name for i in range(model.nu)}
+        self.controls = {name: model.actuator(name).id for name in CONTROLS if name in has}
         named = Recorder(machine).sensors
         self.velocity_w = self.sensordata[:, named["velocity_w"]]
         self.world_from_body = self.sensordata[:, named["world_from_body"]]
@@ -107,6 +116,9 @@ class Fleet:
         self.wheelbase_m = float(model.body("front_axle").pos[0])
         self.driven = [WHEELS.index(w) for w in geometry(machine).driven]
         self.steer_rad, self.lift_rad = np.zeros(nsim), np.zeros(nsim)
+        first = block.WHEEL + Wheel.LATERAL_RATIO
+        self.front_grip = [first + i * Wheel.SIZE for i, w in enumerate(WHEELS) if w[0] == "f"]
+        self.front_ratio = machine.numbers["tyre_front.lateral_ratio"]
 
     def restore(
         self, ids: Sequence[int], starts: Sequence[Start], grounds: Sequence[Ground]
@@ -119,6 +131,7 @@ class Fleet:
             self.lay(i, ground.lie)
             part = soil_part(ground.soil)
             self.blocks[i, [block.SOIL + name for name in part]] = list(part.values())
+            self.blocks[i, self.front_grip] = self.front_ratio * ground.soil.resolved().front_grip
             place = _place(ground, start.along_m)
             self.blocks[i, [block.FIELD + name for name in place]] = list(place.values())
             self.steer_rad[i], self.lift_rad[i] = start.steer_rad, start.lift_rad
@@ -131,14 +144,15 @@ class Fleet:
         axes = block.FIELD + Field.AHEAD  # ahead, left and normal stand one after the other
         self.blocks[i, axes : axes + 9] = rotation.T.ravel()
         self.blocks[i, block.FIELD + Field.FURROW_DEPTH_M] = lie.furrow_depth_m
-        edge_m = furrow_edge_m(self.machine.numbers, lie.furrow_depth_m)
-        self.blocks[i, block.FIELD + Field.FURROW_EDGE_M] = edge_m
+        if self.machine.scenario.plough is not None:
+            edge_m = furrow_edge_m(self.machine.numbers, lie.furrow_depth_m)
+            self.blocks[i, block.FIELD + Field.FURROW_EDGE_M] = edge_m
 
     def drive(self, actions: Array, *, record: bool) -> dict[Any, NDArray[Any]] | None:
-        """One control step: the driver steers, the actions set throttle and hitch.
+        """One control step: the driver steers, the actions set the levers.
 
         Args:
-            actions: throttle and hitch in [-1, 1], (nsim, 2).
+            actions: in [-1, 1], (nsim, 2); `levers` says what they mean.
             record: return what was recorded after each physics step.
 
         Raises:
@@ -169,26 +183,33 @@ class Fleet:
         """Magnitude of the rear axle's velocity, (nsim,)."""
         return np.sqrt(dot(self.qvel[:, :3], self.qvel[:, :3]))
 
+    def rolling(self) -> Array:
+        """Actions that keep all rolling steadily before an episode, (nsim, 2)."""
+        return np.tile([[start_throttle(self.machine), -1.0]], (len(self.steer_rad), 1))
+
+    def levers(self, actions: Array) -> dict[str, Any]:
+        """What throttle and hitch set, by actuator; the hitch follows at its own rate."""
+        wanted = lift_rad(self.machine, depth_set_m(actions[:, 1]))
+        self.lift_rad = towards(self.lift_rad, wanted, LIFT_RATE_RADPS * self.period_s)
+        drive = self.machine.scenario.drive
+        return {
+            "throttle": governor(self.machine, actions[:, 0]),
+            "clutch_pedal": 0.0,
+            "brake": 0.0,
+            "lift": self.lift_rad,
+            "differential_lock": float(drive.differential_lock),
+            "front_drive": float(drive.all_wheel_drive),
+        }
+
     def _set(self, actions: Array) -> None:
-        """Controls of all tractors for the next control step."""
+        """Controls of all tractors for the next control step: the line held, the levers set."""
         x, y = self.world_from_ground[:, :, 0], self.world_from_ground[:, :, 1]
         ahead = ahead_w(self.qpos[:, 3:7])
         left_m, heading = dot(self.qpos[:, :3], y), np.arctan2(dot(ahead, y), dot(ahead, x))
         self.steer_rad = steer(self.wheelbase_m, self.steer_rad, left_m, heading, self.period_s)
-        wanted = lift_rad(self.machine, depth_set_m(actions[:, 1]))
-        self.lift_rad = towards(self.lift_rad, wanted, LIFT_RATE_RADPS * self.period_s)
         left, right = ackermann(self.steer_rad, self.wheelbase_m, self.track_m)
-        levers = self.machine.scenario.drive
-        for name, value in (
-            ("throttle", governor(self.machine, actions[:, 0])),
-            ("clutch_pedal", 0.0),
-            ("brake", 0.0),
-            ("steer_left", left),
-            ("steer_right", right),
-            ("lift", self.lift_rad),
-            ("differential_lock", float(levers.differential_lock)),
-            ("front_drive", float(levers.all_wheel_drive)),
-        ):
+        levers = {"steer_left": left, "steer_right": right} | self.levers(actions)
+        for name, value in levers.items():
             self.ctrl[:, self.controls[name]] = value
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -43,6 +43,26 @@ OPTIONS = (
 
 
 @dataclass(frozen=True, kw_only=True)
+class Recipe:
+    """What an environment's grounds are drawn from."""
+
+    presets: tuple[str, ...] = KINDS
+    steepest_deg: Mapping[str, float] = field(default_factory=lambda: STEEPEST_DEG)
+    patches: tuple[Any, ...] = PATCHES
+    options: tuple[str, ...] = OPTIONS
+
+
+PLOUGHED = Recipe()
+ROLLED = Recipe(
+    presets=("dry", "wet", "firm", "grass"),
+    steepest_deg={"cross_slope_deg": 10.0, "grade_deg": 2.0},
+    patches=(4, (1.0, 40.0), (2.0, 8.0), (0.5, 1.0), (0.6, 1.0)),
+    options=tuple(name for name in OPTIONS if name != "field.furrow_depth_m"),
+)
+"""Of a tractor without a plough: no furrow, steeper, and patches more often and more slippery."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Lie:
     """How the field lies: what a tractor has to settle on before an episode."""
 
@@ -71,10 +91,10 @@ class Ground:
     noise_seed: int
     """Seed of the sensors' errors."""
 
-    def info(self) -> dict[str, Any]:
-        """The ground by the names of `OPTIONS`."""
+    def info(self, recipe: Recipe = PLOUGHED) -> dict[str, Any]:
+        """The ground by the names of the recipe's options."""
         preset = self.soil.resolved()
-        return {
+        known = {
             "soil.preset": self.soil.preset,
             **{f"soil.{name}": float(getattr(preset, name)) for name in SPREAD},
             **{f"field.{name}": float(getattr(self.lie, name)) for name in LIE},
@@ -84,24 +104,28 @@ class Ground:
             ),
             "field.origin_m": self.origin_m,
         }
+        return {name: known[name] for name in recipe.options}
 
 
-def lies(depth_m: float) -> tuple[Lie, ...]:
+def lies(depth_m: float, recipe: Recipe = PLOUGHED) -> tuple[Lie, ...]:
     """The slopes and furrows an episode draws from, the same for every seed; the first is level.
 
     Args:
         depth_m: depth ploughed now.
+        recipe: how steep they are, and whether there is a furrow.
     """
     generator = np.random.default_rng(0)
     drawn = [Lie(furrow_depth_m=depth_m)]
     for _ in range(LIES - 1):
-        slopes = {n: round(generator.uniform(-m, m), 1) for n, m in STEEPEST_DEG.items()}
+        slopes = {n: round(generator.uniform(-m, m), 1) for n, m in recipe.steepest_deg.items()}
         furrow_m = min(0.35, max(0.05, depth_m * generator.uniform(*FURROW_SPREAD)))
+        if "field.furrow_depth_m" not in recipe.options:
+            furrow_m = depth_m
         drawn.append(Lie(furrow_depth_m=round(furrow_m, 3), **slopes))
     return tuple(drawn)
 
 
-def check_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
+def check_options(options: Mapping[str, Any] | None, recipe: Recipe = PLOUGHED) -> dict[str, Any]:
     """`reset`'s options, checked.
 
     Raises:
@@ -111,8 +135,8 @@ def check_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
     """
     chosen = dict(options or {})
     for name, value in chosen.items():
-        if name not in OPTIONS:
-            raise UnknownName("option", name, OPTIONS)
+        if name not in recipe.options:
+            raise UnknownName("option", name, recipe.options)
         if name == "soil.preset":
             if not isinstance(value, str):
                 raise BadInput(f"option {name} = {value!r} is not the name of a soil preset")
@@ -132,12 +156,17 @@ def check_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
     return chosen
 
 
-def draw(generator: Generator, options: Mapping[str, Any], choices: Sequence[Lie]) -> Ground:
+def draw(
+    generator: Generator,
+    options: Mapping[str, Any],
+    choices: Sequence[Lie],
+    recipe: Recipe = PLOUGHED,
+) -> Ground:
     """A ground: soil, lie, patches, origin; options take a drawn value's place.
 
     The same number of draws is made whatever the options.
     """
-    kind = KINDS[int(generator.integers(len(KINDS)))]
+    kind = recipe.presets[int(generator.integers(len(recipe.presets)))]
     preset = str(options.get("soil.preset", kind))
     numbers: dict[str, Any] = {}
     for name, (low, high) in SPREAD.items():
@@ -146,7 +175,7 @@ def draw(generator: Generator, options: Mapping[str, Any], choices: Sequence[Lie
     pattern_seed, noise_seed = (int(seed) for seed in generator.integers(2**31, size=2))
     lie = choices[int(generator.integers(len(choices)))]
     own = {name: value for name, value in _part(options, "field.").items() if name in LIE}
-    patches = _drawn_patches(generator)
+    patches = _drawn_patches(generator, recipe)
     origin_m = tuple(generator.uniform(-FARTHEST_M, FARTHEST_M, 2).tolist())
     return Ground(
         soil=Soil(preset=preset, **numbers),
@@ -158,8 +187,8 @@ def draw(generator: Generator, options: Mapping[str, Any], choices: Sequence[Lie
     )
 
 
-def _drawn_patches(generator: Generator) -> tuple[Patch, ...]:
-    most, *ranges = PATCHES
+def _drawn_patches(generator: Generator, recipe: Recipe) -> tuple[Patch, ...]:
+    most, *ranges = recipe.patches
     count = int(generator.integers(most + 1))
     rows = [[generator.uniform(*within) for within in ranges] for _ in range(most)]
     return tuple(_patch(row) for row in rows[:count])

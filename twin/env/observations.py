@@ -69,8 +69,34 @@ TRUTH = (
     Entry("engine_torque_nm", -500.0, 1000.0),
     *(Entry(f"load_{wheel}_n", 0.0, 2e5) for wheel in WHEELS),
 )
+TORQUE_TASK = (
+    Entry("torque_left", -1.0, 1.0),
+    Entry("torque_right", -1.0, 1.0),
+    Entry("slip_target", 0.0, 0.5),
+)
+TORQUE_ESTIMATE = (
+    *ESTIMATE[:2],
+    Entry("slip_rl", -1.0, 1.0),
+    Entry("slip_rr", -1.0, 1.0),
+    *ESTIMATE[2:4],
+    Entry("sideslip_rear_rad", -1.6, 1.6),
+    Entry("imu.gyro_z_radps", -5.0, 5.0),
+)
+TORQUE_SENSORS = tuple(e for e in SENSORS if not e.name.startswith(("depth.", "machine.")))
+TORQUE_TRUTH = (
+    *TRUTH[:8],
+    Entry("draft_n", -2e5, 2e5),
+    Entry("axle_torque_nm", -2e5, 2e5),
+    *TRUTH[-4:],
+)
 MODES = {"estimate": (*ESTIMATE, *TASK), "sensors": (*SENSORS, *TASK), "truth": (*TRUTH, *TASK)}
-"""Entries of an observation by the constructor's `observation`."""
+"""Entries of an observation by the constructor's `observation`, ploughing."""
+TORQUE_MODES = {
+    "estimate": (*TORQUE_ESTIMATE, *TORQUE_TASK),
+    "sensors": (*TORQUE_SENSORS, *TORQUE_TASK),
+    "truth": (*TORQUE_TRUTH, *TORQUE_TASK),
+}
+"""The same with a torque on each rear wheel."""
 
 
 def space(entries: tuple[Entry, ...]) -> Box[np.float32]:

@@ -2,22 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-from gymnasium import Env
-from gymnasium.error import ResetNeeded
 from gymnasium.utils import EzPickle
-from numpy.typing import NDArray
 
-from twin.env import grounds
-from twin.env.episodes import Episodes, checked
-from twin.env.rendering import RENDER_MODES, Camera, check_mode
-
-Observation = NDArray[np.float32]
+from twin.env.ploughing import Ploughing
+from twin.env.rendering import check_mode
+from twin.env.single import SingleEnv
 
 
-class PloughEnv(Env[Observation, NDArray[np.float32]], EzPickle):
+class PloughEnv(SingleEnv):
     """A 103 kW tractor ploughs with four bodies; a controller sets throttle and hitch.
 
     The goal is a high work rate at a high traction efficiency, with the slip of the driven wheels
@@ -180,7 +172,7 @@ class PloughEnv(Env[Observation, NDArray[np.float32]], EzPickle):
     fuel is in `info`, and the vector environment came.
     """  # noqa: E501
 
-    metadata = {"render_modes": RENDER_MODES, "render_fps": 50}  # noqa: RUF012  Gymnasium's name
+    episodes: Ploughing
 
     def __init__(
         self,
@@ -192,67 +184,4 @@ class PloughEnv(Env[Observation, NDArray[np.float32]], EzPickle):
     ) -> None:
         EzPickle.__init__(self, observation, estimator, depth_m, slip_target, render_mode)
         check_mode(render_mode)
-        self.render_mode = render_mode
-        self.episodes = Episodes(observation, estimator, depth_m, slip_target)
-        self.entries = self.episodes.entries
-        self.observation_space = self.episodes.observation_space
-        self.action_space = self.episodes.action_space
-        self.camera: Camera | None = None
-        self.running = False
-
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Observation, dict[str, Any]]:
-        """Begin an episode on a new ground.
-
-        Raises:
-            UnknownName, BadInput, OutOfRange: an option that cannot be; see `grounds.OPTIONS`.
-        """
-        chosen = grounds.check_options(options)
-        super().reset(seed=seed)
-        ground = grounds.draw(self.np_random, chosen, self.episodes.lies)
-        self.episodes.begin([0], [ground])
-        self.running = True
-        true = self.episodes.fleet.true()
-        info = {name: float(value[0]) for name, value in self.episodes.info(true).items()}
-        return self.episodes.observe(true)[0], info | ground.info()
-
-    def step(
-        self, action: NDArray[np.float32]
-    ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Drive for 20 ms.
-
-        Raises:
-            BadInput: an action of the wrong shape, or one that is not finite.
-            Diverged: the simulation left the finite numbers; reset to go on.
-        """
-        taken = checked(action, ())[None]
-        if not self.running:
-            raise ResetNeeded("call reset() before step()")
-        self.running = False  # until the step has gone well
-        stalled = self.episodes.advance(taken)
-        self.running = True
-        true = self.episodes.fleet.true()
-        rewards, terms = self.episodes.rewards(true)
-        named = self.episodes.info(true) | terms
-        info = {name: float(value[0]) for name, value in named.items()}
-        observation = self.episodes.observe(true)[0]
-        return observation, float(rewards[0]), bool(stalled[0]), False, info
-
-    def render(self) -> NDArray[np.uint8] | None:
-        """The tractor as it stands, (480, 640, 3), or None without a render mode.
-
-        Raises:
-            DependencyNotInstalled: there is no OpenGL driver.
-        """
-        if self.render_mode is None:
-            return None
-        if self.camera is None:
-            self.camera = Camera(self.episodes.fleet.machine.model)
-        return self.camera.of(self.episodes.fleet.batch, 0)
-
-    def close(self) -> None:
-        """Let go of the renderer."""
-        if self.camera is not None:
-            self.camera.close()
-            self.camera = None
+        self._hold(Ploughing(observation, estimator, depth_m, slip_target), render_mode)

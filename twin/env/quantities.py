@@ -92,16 +92,16 @@ def true(
     return out | {name: machine[:, slot] for name, slot in MACHINE.items()}
 
 
-def powers(true: Mapping[str, Array]) -> dict[str, Array]:
+def powers(true: Mapping[str, Array], least_w: float = 1e3) -> dict[str, Array]:
     """Drawbar power, power at the driven axle, and the traction efficiency between them.
 
         P_draw = draft v      P_axle = T w      efficiency = P_draw / P_axle in [0, 1]
 
-    0 below 1 kW at the axle. Source: ASABE S296, tractive efficiency.
+    0 below the least power at the axle. Source: ASABE S296, tractive efficiency.
     """
     draw_w = true["draft_n"] * true["speed_mps"]
     axle_w = true["axle_torque_nm"] * true["axle_radps"]
-    ratio = np.where(axle_w > 1e3, draw_w / np.maximum(axle_w, 1e3), 0.0)
+    ratio = np.where(axle_w > least_w, draw_w / np.maximum(axle_w, least_w), 0.0)
     return {
         "draw_w": draw_w,
         "axle_w": axle_w,

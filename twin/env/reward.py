@@ -49,3 +49,23 @@ def terms(
         "depth": closeness(true["depth_m"] - depth_target_m, DEPTH_TOLERANCE_M),
     }
     return {name: WEIGHTS[name] * value for name, value in worth.items()}
+
+
+PULLING_WEIGHTS = {"slip_left": 0.35, "slip_right": 0.35, "sideslip": 0.3}
+"""Share of each term of WheelSlip-v0; they add up to 1."""
+SIDESLIP_TOLERANCE_MPS = 0.05
+"""Lateral speed of the rear axle at which half the term is left [m/s]."""
+
+
+def pulling_terms(true: Mapping[str, Array], slip_target: float) -> dict[str, Array]:
+    """The terms of WheelSlip-v0's reward for one control step, each of shape (nsim,).
+
+    slip_left  = 0.35 / (1 + ((slip_rl - target) / 0.05)**2)       slip_right the same of slip_rr
+    sideslip   = 0.30 / (1 + (v_y / 0.05 m/s)**2)                  of the rear axle
+    """
+    worth = {
+        "slip_left": closeness(true["slip_rl"] - slip_target, SLIP_TOLERANCE),
+        "slip_right": closeness(true["slip_rr"] - slip_target, SLIP_TOLERANCE),
+        "sideslip": closeness(true["v_y_rear_mps"], SIDESLIP_TOLERANCE_MPS),
+    }
+    return {name: PULLING_WEIGHTS[name] * value for name, value in worth.items()}

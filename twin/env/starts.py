@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.env.fleet import FASTEST_RPM, RAISED_M, SLOWEST_RPM, Fleet, Start, lift_rad
+from twin.env.fleet import RAISED_M, Fleet, Start, lift_rad
 from twin.env.grounds import Lie
 from twin.machine.build import Machine
 from twin.machine.columns import Recorder
@@ -22,49 +22,51 @@ SETTLE_S, APPROACH_S = 4.0, 2.0
 MOST_KEPT = 256
 
 
-def start_throttle(machine: Machine) -> float:
-    """The throttle action that sets the scenario's engine speed."""
-    set_rpm = machine.scenario.drive.engine_set_rpm
-    return 2.0 * (set_rpm - SLOWEST_RPM) / (FASTEST_RPM - SLOWEST_RPM) - 1.0
-
-
 class Starts:
     """The starts of a machine by how the field lies, each settled once."""
 
-    def __init__(self, machine: Machine, *, seen: bool, nthread: int = 1) -> None:
-        self.machine, self.seen, self.nthread = machine, seen, nthread
+    def __init__(
+        self, machine: Machine, *, seen: bool, nthread: int = 1, kind: type[Fleet] = Fleet
+    ) -> None:
+        self.machine, self.seen, self.nthread, self.kind = machine, seen, nthread, kind
         self.known: dict[Lie, Start] = {}
 
     def of(self, lies: Sequence[Lie]) -> list[Start]:
         """A start for each lie; those not known yet are settled side by side."""
         new = [lie for lie in dict.fromkeys(lies) if lie not in self.known]
         if new:
-            self.known |= dict(
-                zip(new, settle(self.machine, new, self.seen, self.nthread), strict=True)
-            )
+            settled = settle(self.machine, new, self.seen, self.nthread, self.kind)
+            self.known |= dict(zip(new, settled, strict=True))
         found = [self.known[lie] for lie in lies]
         while len(self.known) > MOST_KEPT:
             self.known.popitem()
         return found
 
 
-def settle(machine: Machine, lies: Sequence[Lie], seen: bool, nthread: int = 1) -> list[Start]:
-    """Roll with the plough carried until everything has settled, and on for the approach.
+def settle(
+    machine: Machine,
+    lies: Sequence[Lie],
+    seen: bool,
+    nthread: int = 1,
+    kind: type[Fleet] = Fleet,
+) -> list[Start]:
+    """Roll until everything has settled, a plough carried, and on for the approach.
 
     Args:
         machine: built on level ground.
         lies: how the field lies under each tractor.
         seen: keep the approach.
         nthread: threads to roll on.
+        kind: how the machine is driven.
     """
-    fleet = Fleet(machine, len(lies), nthread)
+    fleet = kind(machine, len(lies), nthread)
     for i, lie in enumerate(lies):
         fleet.lay(i, lie)
         _place(fleet, i)
-    actions = np.tile([[start_throttle(machine), -1.0]], (len(lies), 1))
     for _ in range(round(SETTLE_S / fleet.period_s)):
-        fleet.drive(actions, record=False)
-    records = [fleet.drive(actions, record=seen) for _ in range(round(APPROACH_S / fleet.period_s))]
+        fleet.drive(fleet.rolling(), record=False)
+    steps = round(APPROACH_S / fleet.period_s)
+    records = [fleet.drive(fleet.rolling(), record=seen) for _ in range(steps)]
     starts = []
     for i in range(len(lies)):
         approach = None
@@ -75,7 +77,9 @@ def settle(machine: Machine, lies: Sequence[Lie], seen: bool, nthread: int = 1) 
             approach = recorder.trajectory(own)
         along_m = float(fleet.qpos[i, :3] @ fleet.world_from_ground[i, :, 0])
         place = along_m, float(fleet.steer_rad[i]), float(fleet.lift_rad[i])
-        starts.append(Start(fleet.batch.state[i].copy(), approach, *place))
+        first, second = fleet.rolling()[i].tolist()
+        state = fleet.batch.state[i].copy()
+        starts.append(Start(state, approach, *place, (first, second)))
     return starts
 
 
@@ -93,7 +97,8 @@ def _place(fleet: Fleet, i: int) -> None:
         fleet.qvel[i, model.joint(f"{wheel}_spin").dofadr[0]] = speed / radius_m
     rear_m = machine.numbers["tyre_rear.free_rolling_radius_m"]
     fleet.qvel[i, model.joint("drive").dofadr[0]] = speed / rear_m
-    fleet.lift_rad[i] = max(RAISED_RAD, float(lift_rad(machine, RAISED_M)))
+    if machine.hitch is not None:
+        fleet.lift_rad[i] = max(RAISED_RAD, float(lift_rad(machine, RAISED_M)))
 
 
 def _times(p: Array, q: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Plough-v0, many at once: all tractors in one Batch on all cores."""
+"""Many environments at once: all tractors in one Batch on all cores."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from twin.env import grounds
 from twin.env.episodes import Episodes, checked
+from twin.env.ploughing import Ploughing
+from twin.env.pulling import Pulling
 from twin.env.rendering import RENDER_MODES, Camera, check_mode
 from twin.errors import BadInput, OutOfRange, UnknownName
 
@@ -24,29 +26,8 @@ Infos = dict[str, Any]
 Stepped = tuple[Observations, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], Infos]
 
 
-class PloughVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPickle):
-    """Many tractors plough side by side; each sees what `PloughEnv` with its seed would, bit by bit.
-
-    ```
-    many = gymnasium.make_vec(
-        "twin.env:Plough-v0", num_envs=256, vectorization_mode="vector_entry_point"
-    )
-    observations, infos = many.reset(seed=1)     # seeds 1, 2, 3, ...; or a list of them
-    ```
-
-    Arguments, actions, observations, reward and end are those of `twin.env.plough.PloughEnv`, and:
-
-    | name | default | meaning |
-    |---|---|---|
-    | `num_envs` | 1 | tractors |
-    | `max_episode_steps` | None, 1500 by the registration | control steps to a truncation |
-    | `autoreset_mode` | NEXT_STEP | what follows an end, as Gymnasium defines it: NEXT_STEP, SAME_STEP or DISABLED |
-    | `nthread` | all cores | threads of the physics |
-
-    `reset(options={"reset_mask": mask})` begins new episodes of the tractors in the mask alone; the
-    other options hold for all that are reset. Infos are arrays of length `num_envs` with a mask
-    `_<name>` of whom they concern.
-    """  # noqa: E501
+class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPickle):
+    """Episodes of many tractors side by side; a subclass says which."""
 
     metadata: dict[str, Any] = {  # noqa: RUF012  Gymnasium's name
         "render_modes": RENDER_MODES,
@@ -54,34 +35,21 @@ class PloughVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]]
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
 
-    def __init__(
+    def _hold(
         self,
-        num_envs: int = 1,
-        max_episode_steps: int | None = None,
-        observation: str = "estimate",
-        estimator: str = "four-state",
-        depth_m: float = 0.25,
-        slip_target: float = 0.12,
-        render_mode: str | None = None,
-        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        nthread: int | None = None,
+        episodes: Episodes,
+        render_mode: str | None,
+        max_episode_steps: int | None,
+        mode: AutoresetMode,
     ) -> None:
-        EzPickle.__init__(
-            self, num_envs, max_episode_steps, observation, estimator, depth_m, slip_target,
-            render_mode, autoreset_mode, nthread,
-        )  # fmt: skip
-        if num_envs < 1:
-            raise OutOfRange("num_envs", num_envs, "[1, inf)")
-        check_mode(render_mode)
-        self.num_envs, self.render_mode = num_envs, render_mode
-        self.limit = max_episode_steps
-        self.mode = _mode(autoreset_mode)
+        """What a constructor ends with."""
+        self.episodes, self.render_mode = episodes, render_mode
+        self.num_envs = num_envs = len(episodes.actions)
+        self.limit, self.mode = max_episode_steps, mode
         self.metadata = {**type(self).metadata, "autoreset_mode": self.mode}
-        threads = nthread or min(num_envs, os.cpu_count() or 1)
-        self.episodes = Episodes(observation, estimator, depth_m, slip_target, num_envs, threads)
-        self.entries = self.episodes.entries
-        self.single_observation_space = self.episodes.observation_space
-        self.single_action_space = self.episodes.action_space
+        self.entries = episodes.entries
+        self.single_observation_space = episodes.observation_space
+        self.single_action_space = episodes.action_space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.generators: list[Generator | None] = [None] * num_envs
@@ -101,14 +69,14 @@ class PloughVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]]
 
         Args:
             seed: of the first tractor, the next has the next; or one for each, None to draw on.
-            options: those of `PloughEnv`, and `reset_mask`, a boolean array (num_envs,).
+            options: those of the single environment, and `reset_mask`, a boolean array (num_envs,).
 
         Raises:
             UnknownName, BadInput, OutOfRange: an option, a seed or a mask that cannot be.
         """
         named = dict(options or {})
         mask = self._mask(named.pop("reset_mask", None))
-        chosen = grounds.check_options(named)
+        chosen = grounds.check_options(named, self.episodes.recipe)
         self._seed(seed, mask)
         infos = self._begin(mask, chosen)
         self.running = True
@@ -122,7 +90,7 @@ class PloughVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]]
             BadInput: actions of the wrong shape, or not finite.
             Diverged: the simulation left the finite numbers; reset to go on.
         """
-        taken = checked(actions, (self.num_envs,))
+        taken = checked(actions, (self.num_envs,), self.episodes.actions_named)
         again = self.ended.copy()
         if not self.running or (self.mode is AutoresetMode.DISABLED and again.any()):
             raise ResetNeeded("call reset() before step(), for every tractor whose episode ended")
@@ -186,13 +154,13 @@ class PloughVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]]
     def _begin(self, mask: NDArray[np.bool_], options: Mapping[str, Any]) -> Infos:
         """New episodes of the tractors in the mask; their grounds as infos."""
         ids = np.flatnonzero(mask).tolist()
-        lies = self.episodes.lies
-        drawn = [grounds.draw(g, options, lies) for i in ids if (g := self.generators[i])]
+        lies, recipe = self.episodes.lies, self.episodes.recipe
+        drawn = [grounds.draw(g, options, lies, recipe) for i in ids if (g := self.generators[i])]
         self.episodes.begin(ids, drawn)
         self.elapsed[mask], self.ended[mask] = 0, False
         infos: Infos = {}
         for i, ground in zip(ids, drawn, strict=True):
-            infos = self._add_info(infos, ground.info(), i)
+            infos = self._add_info(infos, ground.info(recipe), i)
         return infos
 
     def _look(self, mask: NDArray[np.bool_]) -> Infos:
@@ -215,6 +183,91 @@ class PloughVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]]
                 infos[name][ended], infos[f"_{name}"][ended] = 0.0, False
         infos |= {"final_obs": final, "_final_obs": ended}
         infos |= {"final_info": final_info, "_final_info": ended.copy()}
+
+
+class PloughVectorEnv(ManyEnv):
+    """Many tractors plough side by side; each sees what `PloughEnv` with its seed would, bit by bit.
+
+    ```
+    many = gymnasium.make_vec(
+        "twin.env:Plough-v0", num_envs=256, vectorization_mode="vector_entry_point"
+    )
+    observations, infos = many.reset(seed=1)     # seeds 1, 2, 3, ...; or a list of them
+    ```
+
+    Arguments, actions, observations, reward and end are those of `twin.env.plough.PloughEnv`, and:
+
+    | name | default | meaning |
+    |---|---|---|
+    | `num_envs` | 1 | tractors |
+    | `max_episode_steps` | None, 1500 by the registration | control steps to a truncation |
+    | `autoreset_mode` | NEXT_STEP | what follows an end, as Gymnasium defines it: NEXT_STEP, SAME_STEP or DISABLED |
+    | `nthread` | all cores | threads of the physics |
+
+    `reset(options={"reset_mask": mask})` begins new episodes of the tractors in the mask alone; the
+    other options hold for all that are reset. Infos are arrays of length `num_envs` with a mask
+    `_<name>` of whom they concern.
+    """  # noqa: E501
+
+    episodes: Ploughing
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        max_episode_steps: int | None = None,
+        observation: str = "estimate",
+        estimator: str = "four-state",
+        depth_m: float = 0.25,
+        slip_target: float = 0.12,
+        render_mode: str | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        nthread: int | None = None,
+    ) -> None:
+        EzPickle.__init__(
+            self, num_envs, max_episode_steps, observation, estimator, depth_m, slip_target,
+            render_mode, autoreset_mode, nthread,
+        )  # fmt: skip
+        check_mode(render_mode)
+        threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
+        episodes = Ploughing(observation, estimator, depth_m, slip_target, num_envs, threads)
+        self._hold(episodes, render_mode, max_episode_steps, mode)
+
+
+class WheelSlipVectorEnv(ManyEnv):
+    """Many electric tractors side by side; each sees what `WheelSlipEnv` with its seed would.
+
+    Arguments, actions, observations, reward and end are those of
+    `twin.env.wheel_slip.WheelSlipEnv`, and those arguments that `PloughVectorEnv` adds.
+    """
+
+    episodes: Pulling
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        max_episode_steps: int | None = None,
+        observation: str = "estimate",
+        estimator: str = "four-state",
+        slip_target: float = 0.15,
+        render_mode: str | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        nthread: int | None = None,
+    ) -> None:
+        EzPickle.__init__(
+            self, num_envs, max_episode_steps, observation, estimator, slip_target,
+            render_mode, autoreset_mode, nthread,
+        )  # fmt: skip
+        check_mode(render_mode)
+        threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
+        episodes = Pulling(observation, estimator, slip_target, num_envs, threads)
+        self._hold(episodes, render_mode, max_episode_steps, mode)
+
+
+def _threads(num_envs: int, nthread: int | None) -> int:
+    """Threads of the physics: all cores, no more than tractors."""
+    if num_envs < 1:
+        raise OutOfRange("num_envs", num_envs, "[1, inf)")
+    return nthread or min(num_envs, os.cpu_count() or 1)
 
 
 def _mode(wanted: AutoresetMode | str) -> AutoresetMode:

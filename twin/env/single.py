@@ -1,0 +1,90 @@
+"""One tractor as a Gymnasium environment, whatever is asked of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from gymnasium import Env
+from gymnasium.error import ResetNeeded
+from gymnasium.utils import EzPickle
+from numpy.typing import NDArray
+
+from twin.env import grounds
+from twin.env.episodes import Episodes, checked
+from twin.env.rendering import RENDER_MODES, Camera
+
+Observation = NDArray[np.float32]
+
+
+class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
+    """Episodes of one tractor; a subclass says which."""
+
+    metadata = {"render_modes": RENDER_MODES, "render_fps": 50}  # noqa: RUF012  Gymnasium's name
+
+    def _hold(self, episodes: Episodes, render_mode: str | None) -> None:
+        """What a constructor ends with."""
+        self.episodes, self.render_mode = episodes, render_mode
+        self.entries = episodes.entries
+        self.observation_space = episodes.observation_space
+        self.action_space = episodes.action_space
+        self.camera: Camera | None = None
+        self.running = False
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begin an episode on a new ground.
+
+        Raises:
+            UnknownName, BadInput, OutOfRange: an option that cannot be; see `grounds.OPTIONS`.
+        """
+        recipe = self.episodes.recipe
+        chosen = grounds.check_options(options, recipe)
+        super().reset(seed=seed)
+        ground = grounds.draw(self.np_random, chosen, self.episodes.lies, recipe)
+        self.episodes.begin([0], [ground])
+        self.running = True
+        true = self.episodes.fleet.true()
+        info = {name: float(value[0]) for name, value in self.episodes.info(true).items()}
+        return self.episodes.observe(true)[0], info | ground.info(recipe)
+
+    def step(
+        self, action: NDArray[np.float32]
+    ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Drive for 20 ms.
+
+        Raises:
+            BadInput: an action of the wrong shape, or one that is not finite.
+            Diverged: the simulation left the finite numbers; reset to go on.
+        """
+        taken = checked(action, (), self.episodes.actions_named)[None]
+        if not self.running:
+            raise ResetNeeded("call reset() before step()")
+        self.running = False  # until the step has gone well
+        stalled = self.episodes.advance(taken)
+        self.running = True
+        true = self.episodes.fleet.true()
+        rewards, terms = self.episodes.rewards(true)
+        named = self.episodes.info(true) | terms
+        info = {name: float(value[0]) for name, value in named.items()}
+        observation = self.episodes.observe(true)[0]
+        return observation, float(rewards[0]), bool(stalled[0]), False, info
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """The tractor as it stands, (480, 640, 3), or None without a render mode.
+
+        Raises:
+            DependencyNotInstalled: there is no OpenGL driver.
+        """
+        if self.render_mode is None:
+            return None
+        if self.camera is None:
+            self.camera = Camera(self.episodes.fleet.machine.model)
+        return self.camera.of(self.episodes.fleet.batch, 0)
+
+    def close(self) -> None:
+        """Let go of the renderer."""
+        if self.camera is not None:
+            self.camera.close()
+            self.camera = None

@@ -1,0 +1,136 @@
+"""Electric tractors in one Batch, a motor on each rear wheel, towing a light cultivator."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.env.fleet import Fleet, Start
+from twin.env.grounds import Ground
+from twin.env.quantities import ahead_w, dot, powers
+from twin.machine.build import Machine
+
+Array = NDArray[np.float64]
+
+STALL_NM, DRAG_NMSPM = 80.0, 2.0
+"""A motor's torque at rest [N m] and what it loses per speed [N m s/rad]: 40 rad/s unloaded."""
+DRAFT_N, DRAFT_NS2PM2 = 80.0, 130.0
+"""Draft of the cultivator at rest [N] and its growth with speed squared; a soil of F = 1."""
+DRAWBAR_M = (-0.12, 0.0, 0.05)
+"""Where it pulls, body axes from the rear-axle centre [m]."""
+START_MPS = 1.0
+"""Speed an episode begins with [m/s]."""
+SPEED_GAIN_PS = 2.0
+"""Action per speed error, before an episode [s/m]."""
+LEAST_W = 10.0
+"""Power of both motors below which no efficiency is told [W]."""
+STANDING_MPS = 0.1
+"""Below this the draft fades, so that it holds nothing the other way [m/s]."""
+
+
+def draft_n(scale: Array, speed_mps: Array) -> Array:
+    """Draft of the cultivator against the motion, (nsim,).
+
+        D = F (A + C v^2)          times v / 0.1 m/s below 0.1 m/s
+
+    Source of the form: ASABE D497; A and C are assumed, for a tool a 115 kg tractor can pull.
+    """
+    fade = np.minimum(1.0, np.maximum(-1.0, speed_mps / STANDING_MPS))
+    pulled: Array = scale * (DRAFT_N + DRAFT_NS2PM2 * speed_mps * speed_mps) * fade
+    return pulled
+
+
+def motors(machine: Machine) -> Machine:
+    """The machine with motors on its rear wheels whose torque falls with their speed.
+
+    torque = 80 N m action - 2 N m s/rad w
+    """
+    model = machine.model
+    for name in ("torque_left", "torque_right"):
+        actuator = model.actuator(name).id
+        model.actuator_biastype[actuator] = mujoco.mjtBias.mjBIAS_AFFINE
+        model.actuator_biasprm[actuator, :3] = 0.0, 0.0, -DRAG_NMSPM
+    return machine
+
+
+class TorqueFleet(Fleet):
+    """The electric machines of WheelSlip-v0: torques instead of throttle and hitch."""
+
+    def __init__(self, machine: Machine, nsim: int = 1, nthread: int = 1) -> None:
+        super().__init__(machine, nsim, nthread)
+        model = machine.model
+        for name in ("torque_left", "torque_right"):
+            self.controls[name] = model.actuator(name).id
+        self.spins = [model.joint(f"{wheel}_spin").dofadr[0] for wheel in ("rl", "rr")]
+        body = model.body("tractor").id
+        self.pulled = self.batch.bind("xfrc_applied")[:, body]
+        self.arm_m = np.array(DRAWBAR_M) - model.body_ipos[body]
+        self.draft_scale, self.draft = np.full(nsim, 0.7), np.zeros(nsim)
+        self.torques = np.zeros((nsim, 2))
+
+    def restore(
+        self, ids: Sequence[int], starts: Sequence[Start], grounds: Sequence[Ground]
+    ) -> None:
+        """As a fleet's, and the draft as large as the soil makes it."""
+        super().restore(ids, starts, grounds)
+        self.draft_scale[ids] = [ground.soil.resolved().draft_scale for ground in grounds]
+        self.torques[ids] = [start.action for start in starts]
+        self.draft[ids] = self._draft()[ids]
+
+    def rolling(self) -> Array:
+        """Hold the speed an episode begins with; both wheels alike."""
+        error = START_MPS - self.speed_mps()
+        wanted = np.minimum(1.0, np.maximum(-1.0, 0.35 + SPEED_GAIN_PS * error))
+        return np.stack([wanted, wanted], axis=-1)
+
+    def levers(self, actions: Array) -> dict[str, Any]:
+        """Torques of the rear wheels, the engine's own shaft free; the cultivator pulls."""
+        self._pull()
+        self.torques = actions.copy()
+        return {
+            "throttle": 0.0,
+            "clutch_pedal": 1.0,
+            "brake": 0.0,
+            "differential_lock": 0.0,
+            "front_drive": 0.0,
+            "torque_left": STALL_NM * actions[:, 0],
+            "torque_right": STALL_NM * actions[:, 1],
+        }
+
+    def true(self, ids: Any = slice(None)) -> dict[str, Array]:
+        """As a fleet's, with the cultivator's draft and the motors' torque."""
+        now = super().true(ids)
+        rates = self.qvel[ids][:, self.spins]
+        torque = STALL_NM * self.torques[ids] - DRAG_NMSPM * rates
+        now |= {"draft_n": self.draft[ids].copy(), "axle_torque_nm": torque[:, 0] + torque[:, 1]}
+        return now | powers(now, LEAST_W)
+
+    def _draft(self) -> Array:
+        """The cultivator's draft at the speed of now, (nsim,)."""
+        return draft_n(self.draft_scale, dot(ahead_w(self.qpos[:, 3:7]), self.qvel[:, :3]))
+
+    def _pull(self) -> None:
+        """The cultivator's force for the next control step, moved to the body's centre of mass."""
+        quaternion = self.qpos[:, 3:7]
+        ahead, self.draft = ahead_w(quaternion), self._draft()
+        force = -self.draft[:, None] * ahead
+        arm = _turned(quaternion, self.arm_m)
+        self.pulled[:, :3], self.pulled[:, 3:] = force, _cross(arm, force)
+
+
+def _turned(quaternion: Array, vector: Array) -> Array:
+    """A body's vector in the world: wxyz (nsim, 4), (3,) -> (nsim, 3)."""
+    w, axis = quaternion[:, :1], quaternion[:, 1:]
+    across = 2.0 * _cross(axis, np.broadcast_to(vector, axis.shape))
+    out: Array = vector + w * across + _cross(axis, across)
+    return out
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Vector product over the last axis, elementwise."""
+    (ax, ay, az), (bx, by, bz) = a.T, b.T
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
