@@ -21,9 +21,9 @@ Array = NDArray[np.float64]
     SLIDE, SLIDE_REAR,
 ) = range(10)  # fmt: skip
 STATES = 10
-GATE = 50.0
-"""A squared normalised innovation beyond this is not believed: seven sd, as a slide that begins
-comes to five."""
+GATE = 100.0
+"""A squared normalised innovation beyond this is not believed: ten sd, as a slide that begins comes
+to seven."""
 FREE_RAD2 = 10.0
 """Variance of a heading that nothing is known of."""
 
@@ -34,8 +34,8 @@ class Tuning:
 
     accel_x_psd: float = 0.05
     """Of the forward speed [m2/s3]."""
-    accel_y_psd: float = 0.003
-    """Of the lateral speed [m2/s3]: 10 mm/s from one frame to the next. What it leaves open between
+    accel_y_psd: float = 0.0007
+    """Of the lateral speed [m2/s3]: 5 mm/s from one frame to the next. What it leaves open between
     frames is about what odometry errs by alike in all frames, a hundredth of a pixel."""
     heading_bias_sd_rad: float = math.radians(0.2)
     """The baseline's mounting."""
