@@ -32,7 +32,8 @@ ESTIMATORS = {
     "MA-PKF": "ma-pkf",
     "IMA-PKF": "ima-pkf",
     "IMA-PKF, log box": "ima-pkf-log",
-    "offline smoother": "estimators.smoother:SMOOTHER",
+    "slip as a state": "slip-ekf",
+    "offline smoother": "slip-ekf-smooth",
 }
 REDUCTIONS = {
     15: {"MAE": 0.3395, "RMSE": 0.3467},

@@ -38,11 +38,13 @@ WHY_DISTURBED = (
     "filter that leaves the disturbance out is wrong, and the accelerometer must tell."
 )
 WHY_FIELD = (
-    "Why: the KF is not defined in the paper; ours takes the GNSS speed with Q = I and so hardly "
-    "filters, and a reduction against it says little. Against a tuned KF the adaptive filter has "
-    "no gain to offer. The paper's reference is RTK-GNSS, which is an input as well; ours is the "
-    "truth, which also sees the wheels' radius differ from the nominal one: a bias of slip that no "
-    "choice of Q and R takes away, and that bounds every method alike."
+    "Why: the paper does not define its KF; ours takes the GNSS speed with Q = I and so hardly "
+    "filters, and a reduction against it says little of an adaptation. A KF that is told what the "
+    "sensors are like errs less than the adaptive filter: a negative reduction. The paper's "
+    "reference is RTK-GNSS, which is an input as well; ours is the truth, and it shows what no "
+    "choice of Q and R takes away: the front wheels, which the parallel filter takes for a ground "
+    "speed, are held back by their rolling, the body is not level, the driven wheels' radius is "
+    "not the nominal one."
 )
 
 
