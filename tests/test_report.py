@@ -15,7 +15,7 @@ from synthetic_run import synthetic_run
 from twin import report, scores
 from twin.report import figures
 from twin.report.page import flat, page
-from twin.report.rows import write_checks, write_intervals
+from twin.report.rows import place_of, write_checks, write_intervals
 from twin.rows import row
 from twin.runfolder import Record
 
@@ -55,6 +55,19 @@ def test_a_page_of_checks_puts_what_fails_first() -> None:
 def test_a_page_of_means_gives_half_the_interval() -> None:
     assert "0.500 ± 0.150" in MEANS
     assert 'aria-label="reward"' in MEANS
+
+
+@pytest.mark.parametrize(
+    ("ours", "low", "high", "place"),
+    [(2.0, 1.0, 3.0, 0.0), (3.5, 1.0, 3.0, 1.5), (0.0, None, 1.0, -1.0), (1.2, None, 1.0, 1.4),
+     (5.0, 1.0, None, 1.0), (0.9, 1.0, None, -1.2)],
+)  # fmt: skip
+def test_a_dot_is_in_the_grey_just_where_its_row_passes(
+    ours: float, low: float | None, high: float | None, place: float
+) -> None:
+    made = row("c", "q", ours, "1", low=low, high=high)
+    assert place_of(made) == pytest.approx(place)
+    assert (abs(place) <= 1.0) is made["passed"]
 
 
 def test_power_that_goes_adds_up_in_its_figure() -> None:

@@ -90,7 +90,7 @@ def interval_figure(quantity: str, rows: Rows) -> str:
 
 def band_figure(rows: Rows) -> str:
     """Where in its tolerance each figure lies: -1 and 1 are the ends, 0 the middle."""
-    places = np.array([_place(row) for row in rows])
+    places = np.array([place_of(row) for row in rows])
 
     def draw(axes: Axes) -> None:
         axes.axvspan(-1.0, 1.0, color=GREY, lw=0)
@@ -107,8 +107,8 @@ def band_figure(rows: Rows) -> str:
     return svg("Rows within their tolerance", draw, height_in=1.1 + 0.5 * ROW_IN * len(rows))
 
 
-def _place(row: Mapping[str, Any]) -> float:
-    """-1 at the low end of the tolerance, 1 at the high one; of a single bound the share of it."""
+def place_of(row: Mapping[str, Any]) -> float:
+    """-1 at the low end of the tolerance, 1 at the high one; a single bound is one of them."""
     low, high, ours = row.get("low"), row.get("high"), float(row["ours"])
     if low is not None and high is not None:
         half = max(0.5 * (high - low), 1e-12)
@@ -117,7 +117,9 @@ def _place(row: Mapping[str, Any]) -> float:
     if bound is None:
         return 0.0
     size = max(abs(bound), 1e-12)
-    return float(1.0 - (bound - ours) / size if high is not None else (bound - ours) / size - 1.0)
+    if high is not None:
+        return float(max(-1.0, 1.0 - 2.0 * (bound - ours) / size))
+    return float(min(1.0, 2.0 * (ours - bound) / size - 1.0))
 
 
 def _check_table(rows: Rows) -> str:
