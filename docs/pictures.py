@@ -53,7 +53,7 @@ def main() -> None:
 
 def ploughing(result: Run) -> np.ndarray[Any, Any]:
     """The tractor at its work. Shape (HEIGHT, WIDTH, 3)."""
-    machine = build(result.scenario, looks=True)  # type: ignore[arg-type]
+    machine = build(result.scenario, looks=True, settle=False)  # type: ignore[arg-type]
     model = machine.model
     truth = result.truth
     row = int(np.argmax(truth["east_m"] > AT_M))

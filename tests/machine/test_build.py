@@ -163,3 +163,11 @@ def test_the_block_says_the_grounds_shape_and_its_patches():
 def test_the_time_step_is_the_scenarios(timestep_s):
     machine = build(replace(BARE, timestep_s=timestep_s))
     assert machine.model.opt.timestep == timestep_s
+
+
+def test_a_machine_to_be_looked_at_is_the_same_and_need_not_settle():
+    seen, driven = build(PLOUGHING, looks=True, settle=False), build(PLOUGHING, looks=True)
+    np.testing.assert_array_equal(seen.model.body_pos, driven.model.body_pos)
+    np.testing.assert_array_equal(seen.model.geom_pos, driven.model.geom_pos)
+    assert np.isfinite(seen.start_qpos).all()
+    assert np.isnan(seen.start_load_n).all()

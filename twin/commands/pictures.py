@@ -30,4 +30,4 @@ def record(run: RunLike, scores: Mapping[str, Any], path: Path) -> None:
 def _machine(scenario: Any) -> Any:
     from twin.machine.build import build
 
-    return build(scenario, looks=True)
+    return build(scenario, looks=True, settle=False)

@@ -14,7 +14,7 @@ from twin.machine.ground_frame import quaternion, world_from_ground
 from twin.machine.hitch import Hitch
 from twin.machine.parameters import parameter_block
 from twin.machine.plough_setting import furrow_roll_rad, levelled, set_plough
-from twin.machine.start import settled, standing, unloaded_speed_mps
+from twin.machine.start import settled, standing, unloaded_speed_mps, unsettled
 from twin.physics import block
 from twin.physics.callback import install
 from twin.scenario import Scenario
@@ -57,7 +57,7 @@ class Machine:
         return (self.scenario.drive.engine_set_rpm - idle) / (top - idle)
 
 
-def build(scenario: Scenario, *, looks: bool = False) -> Machine:
+def build(scenario: Scenario, *, looks: bool = False, settle: bool = True) -> Machine:
     """Compile the machine of a scenario and install the laws.
 
     Wheel contact is switched off, because the callback takes over; everything else stays native.
@@ -66,6 +66,7 @@ def build(scenario: Scenario, *, looks: bool = False) -> Machine:
     Args:
         scenario: what is built.
         looks: keep what is only looked at.
+        settle: let it come to rest on its tyres, which driving needs and looking does not.
     """
     install()
     spec = mujoco.MjSpec.from_file(str(model_path(scenario.machine)))
@@ -107,7 +108,7 @@ def build(scenario: Scenario, *, looks: bool = False) -> Machine:
         )
     speed = unloaded_speed_mps(scenario, numbers)
     start = standing(model, scenario, rotation, hitch, work_rad, maps.get("heights"))
-    rest = settled(model, start, rotation, scenario)
+    rest = settled(model, start, rotation, scenario) if settle else unsettled(model, start)
     return Machine(
         scenario, model, numbers, rotation, hitch, work_rad, rest.qpos, rest.act, speed,
         rest.load_n, maps,

@@ -75,6 +75,11 @@ def settled(model: Any, qpos: Array, rotation: Array, scenario: Scenario) -> Set
     return Settled(rest, act, load_n)
 
 
+def unsettled(model: Any, qpos: Array) -> Settled:
+    """The machine where it was put: no tyre is wound up, and no load is known."""
+    return Settled(qpos, np.zeros(model.na), np.full(len(block.WHEELS), np.nan))
+
+
 def _settle(model: Any, state: Any, scenario: Scenario) -> None:
     """Let it come to rest, and refuse what diverges."""
     row = np.empty(mujoco.mj_stateSize(model, STATE))
