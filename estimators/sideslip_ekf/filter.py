@@ -30,6 +30,8 @@ from twin.streams import COLUMNS, WHEELS, Setup, Streams, Table
 LAG_NS = 120_000_000
 """A sample waits until another is so much newer, so that late ones find their place."""
 STALE_NS = round(STALE_S * 1e9)
+SEEN_NS = 500_000_000
+"""The forward speed is the camera's for so long after a frame."""
 STRAIGHT_RADPS = 0.03
 """Turning slower than this is straight on."""
 DRIVING_MPS = 0.3
@@ -66,6 +68,8 @@ class State:
     newest_ns: int = -1
     lateral_ns: int = -1
     """When a lateral speed was last measured."""
+    camera_ns: int = -1
+    """When the camera last measured one."""
     spin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """The last turn rates."""
     spin_ns: int = -1
@@ -89,7 +93,8 @@ class SideslipEkf:
     over level ground, which the accelerometer tells: there the rear axle does not slide. Through a
     masking the camera and the gyro go on alone.
 
-    Speeds along the ground and of the wheels, and slip, are `four-state`'s.
+    Speed along the ground and slip are the filter's own where the camera tells them, with the
+    wheels' nominal radius; else, as all of the wheels, they are `four-state`'s.
     """
 
     tuning: Tuning = field(default_factory=Tuning)
@@ -127,8 +132,21 @@ class SideslipEkf:
                 epoch_ns = int(chunk[name]["epoch_ns"][row])
                 if work.arrived(epoch_ns, name, columns[name][row]) and name == "wheels":
                     told.append(work.told())
-        lateral = np.array(told).reshape(-1, len(LATERAL))
-        return work.state, table | {n: lateral[:, i].copy() for i, n in enumerate(LATERAL)}
+        lateral = np.array(told).reshape(-1, len(LATERAL) + 2)
+        table |= {n: lateral[:, i].copy() for i, n in enumerate(LATERAL)}
+        return work.state, self._with_slip(table, lateral[:, -2], lateral[:, -1])
+
+    def _with_slip(self, table: Table, speed_mps: Array, speed_sd_mps: Array) -> Table:
+        """The table with the filter's own speed, and slip from it, where that is known.
+
+        s = (w - v) / m,  m = max(|w|, |v|, 0.05 m/s);  the radius's error is that of two wheels
+        """
+        known = np.isfinite(speed_mps) & np.isfinite(table["wheel_speed_mps"])
+        wheel = table["wheel_speed_mps"]
+        size = np.fmax(np.fmax(np.abs(wheel), np.abs(speed_mps)), SLOW_MPS)
+        sd = np.hypot(speed_sd_mps, self.tuning.wheel_scale_sd / math.sqrt(2.0) * wheel) / size
+        own = {"speed_mps": speed_mps, "slip": (wheel - speed_mps) / size, "slip_sd": sd}
+        return table | {n: np.where(known, column, table[n]) for n, column in own.items()}
 
 
 class Work:
@@ -253,7 +271,7 @@ class Work:
         seen = values[:2]
         x, p = state.x, state.p
         if model.take_camera(x, p, seen, variance, rate, state.nominal, self.tuning):
-            state.lateral_ns = state.epoch_ns
+            state.lateral_ns = state.camera_ns = state.epoch_ns
 
     def _gnss(self, values: tuple[float, ...], spin: Array) -> None:
         east, north, azimuth, quality, velocity_sd, heading_sd = values
@@ -271,16 +289,19 @@ class Work:
                 state.lateral_ns = state.epoch_ns
 
     def told(self) -> tuple[float, ...]:
-        """LATERAL at the newest epoch: the filter's own, brought up at its lateral speed."""
+        """LATERAL at the newest epoch: the filter's own, brought up at its lateral speed.
+
+        Then the forward speed and its sd, NaN where no frame told it lately.
+        """
         state = self.state
         x, p, nominal = state.x, state.p, state.nominal
         if state.lateral_ns < 0:
-            return (math.nan,) * len(LATERAL)
+            return (math.nan,) * (len(LATERAL) + 2)
         ahead_s = max((state.newest_ns - state.epoch_ns) * 1e-9, 0.0)
         if ahead_s > STALE_S:  # after a gap nothing is known of the speeds yet
             sd = math.sqrt(p[SLIDE, SLIDE])
             nan = math.nan
-            return nan, nan, nan, float(x[SLIDE]), sd, nan, float(x[SLIDE_REAR])
+            return nan, nan, nan, float(x[SLIDE]), sd, nan, float(x[SLIDE_REAR]), nan, nan
         rate = state.spin[2] - x[GYRO_BIAS]
         v_y_cg = x[V_Y] + nominal.cg_x_m * rate
         h = np.zeros(len(x))
@@ -293,4 +314,7 @@ class Work:
                 math.atan2(v_y_cg, x[V_X]), sd / abs(x[V_X]), math.atan2(x[V_Y], x[V_X]),
             )  # fmt: skip
         slide, rear = x[SLIDE] + ahead_s * v_y_cg, x[SLIDE_REAR] + ahead_s * x[V_Y]
-        return v_y_cg, angles[0], angles[1], slide, slide_sd, angles[2], rear
+        speed = (math.nan, math.nan)
+        if state.camera_ns >= 0 and state.newest_ns - state.camera_ns < SEEN_NS:
+            speed = (float(x[V_X]), math.sqrt(p[V_X, V_X]))
+        return v_y_cg, angles[0], angles[1], slide, slide_sd, angles[2], rear, *speed

@@ -72,3 +72,11 @@ def test_chunks_of_a_camera_stream_change_no_bit():
         tables.append(table)
     for name, column in whole.items():
         np.testing.assert_array_equal(np.concatenate([t[name] for t in tables]), column, name)
+
+
+def test_slip_in_a_masking_is_the_cameras():
+    *_, table = estimated(masked=True)
+    late = table["epoch_ns"] > 28e9  # the slide begins at 26 s
+    assert np.abs(table["slip"][late]).max() < 0.03
+    assert np.abs(table["speed_mps"][late] - 1.0).max() < 0.02
+    assert np.mean(np.abs(table["slip"][late]) < 2 * table["slip_sd"][late]) > 0.9
