@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from twin.study.summary import Group
 
 PARTS, TABLE, SUMMARY, PLAN = "parts", "table.parquet", "summary.json", "study.json"
+REPORT = "report.html"
 INTERRUPTED = 130
 SHOWN = {
     "slip.rmse": ("slip RMSE [%]", 100.0),
@@ -188,7 +189,7 @@ def _finish(cases: Sequence[Any], folder: Path, swept: list[str], options: Study
     summary = study.rows(groups, study.quantities(rows, swept), options.against)
     for path in filter(None, (folder / SUMMARY, options.json)):
         rows_file.write(summary, path)
-    drawn = _draw(groups, folder)
+    drawn = [*_draw(groups, folder), *_report(summary, folder, len(cases), options.against)]
     if not options.quiet:
         print_means(groups)
         failed = [row for row in rows if row["error"] is not None]
@@ -198,6 +199,23 @@ def _finish(cases: Sequence[Any], folder: Path, swept: list[str], options: Study
             console().print(f"failed: {text}", style="dim", highlight=False, markup=False)
         files = ", ".join(str(folder / name) for name in (TABLE, SUMMARY, *drawn))
         console().print(f"{len(cases)} runs; {files}", highlight=False)
+
+
+def _report(
+    summary: Sequence[Mapping[str, Any]], folder: Path, count: int, against: str | None
+) -> list[str]:
+    """The page of the scores that are shown, and of their paired differences."""
+    from twin.report import rows
+
+    names = [n for q in SHOWN for n in (q, f"{q} less that of {against}")]
+    shown = [row for row in summary if row["quantity"] in names]
+    if not shown:
+        return []
+    about = f"Means of {count} runs over the seeds, and their 95 % intervals; in SI units."
+    asked = json.loads((folder / PLAN).read_text())["twin study"]
+    command = f"twin study {shlex.join(asked)}"
+    rows.write_intervals(folder / REPORT, f"Study {folder.name}", about, shown, command)
+    return [REPORT]
 
 
 def _draw(groups: Sequence[Group], folder: Path) -> list[str]:

@@ -83,9 +83,11 @@ def interval_figure(quantity: str, rows: Rows) -> str:
         axes.set_ylim(-0.6, len(rows) - 0.4)
         axes.grid(axis="y", visible=False)
         axes.set_xlabel(_unit(quantity, rows))
-        axes.locator_params(axis="x", nbins=6)
+        axes.locator_params(axis="x", nbins=4)
 
-    return svg(quantity, draw, left=0.27, height_in=0.9 + 2.0 * ROW_IN * len(rows))
+    longest = max(len(row["case"]) for row in rows)
+    left = min(0.6, 0.04 + 0.016 * longest)
+    return svg(quantity, draw, left=left, height_in=0.9 + 2.0 * ROW_IN * len(rows))
 
 
 def band_figure(rows: Rows) -> str:
