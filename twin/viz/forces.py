@@ -16,7 +16,7 @@ Array = NDArray[Any]
 
 LONGEST_M = 1.1
 """Length of the largest wheel load, as a share of the tractor's wheelbase over 2.5 m."""
-SHARE_AT_M = (-1.6, 0.5)
+SHARE_AT_M = (-1.6, 1.0)
 """Where the plough's draft is drawn: ahead of and above the rear axle, clear of its frame."""
 COLOURS = {"load": [86, 180, 233], "thrust": [0, 158, 115], "draft": [213, 94, 0]}
 

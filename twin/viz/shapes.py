@@ -90,12 +90,19 @@ def joint_states(model: Any, truth: Table) -> Array:
 
 
 def log_shapes(recording: rr.RecordingStream, entity: str, shapes: Shapes, body: int) -> None:
-    """The geoms of one body, static in its frame."""
+    """The geoms of one body, static in its frame: those of a kind together, each mesh alone."""
     model = shapes.model
+    kinds: dict[int, list[int]] = {}
     for number, g in enumerate(shapes.geoms[body]):
-        name = _plain(model.geom(g).name) or f"geom_{number}"
-        for shape in _shape(model, g):
-            recording.log(f"{entity}/{name}", shape, static=True)
+        if int(model.geom_type[g]) == int(_KINDS.mjGEOM_MESH):
+            name = _plain(model.geom(g).name) or f"geom_{number}"
+            for part in (_mesh(model, g), _placement(model.geom_pos[g], model.geom_quat[g])):
+                recording.log(f"{entity}/{name}", part, static=True)
+        else:
+            kinds.setdefault(int(model.geom_type[g]), []).append(g)
+    for kind, geoms in kinds.items():
+        name, shape = _batch(model, _KINDS(kind), np.array(geoms))
+        recording.log(f"{entity}/{name}", shape, static=True)
 
 
 def _plain(name: str) -> str:
@@ -103,28 +110,27 @@ def _plain(name: str) -> str:
     return name.replace("/", "_").replace(".", "_")
 
 
-def _shape(model: Any, g: int) -> list[Any]:
-    """One geom as a rerun archetype placed in its body."""
-    kind, size = _KINDS(int(model.geom_type[g])), model.geom_size[g]
-    centre, wxyz = model.geom_pos[g], model.geom_quat[g]
+def _batch(model: Any, kind: Any, geoms: Array) -> tuple[str, Any]:
+    """Geoms of one kind as one rerun archetype, placed in their body, and what to call it."""
+    size, centre, wxyz = model.geom_size[geoms], model.geom_pos[geoms], model.geom_quat[geoms]
     placed: dict[str, Any] = {
-        "quaternions": [wxyz[[1, 2, 3, 0]]],  # rerun keeps the scalar last
-        "colors": [_colour(model, g)],
+        "quaternions": wxyz[:, [1, 2, 3, 0]],  # rerun keeps the scalar last
+        "colors": [_colour(model, int(g)) for g in geoms],
+        "fill_mode": "solid",
     }
-    solid = {"fill_mode": "solid"}
+    long = {"lengths": 2.0 * size[:, 1], "radii": size[:, 0]}
     if kind == _KINDS.mjGEOM_BOX:
-        return [rr.Boxes3D(half_sizes=[size], centers=[centre], **placed, **solid)]
+        return "boxes", rr.Boxes3D(half_sizes=size, centers=centre, **placed)
     if kind == _KINDS.mjGEOM_CYLINDER:
-        long = {"lengths": [2 * size[1]], "radii": [size[0]]}
-        return [rr.Cylinders3D(centers=[centre], **long, **placed, **solid)]
+        return "cylinders", rr.Cylinders3D(centers=centre, **long, **placed)
     if kind == _KINDS.mjGEOM_CAPSULE:
-        start = centre - size[1] * _z_axis(wxyz)  # rerun's capsule starts at its origin
-        long = {"lengths": [2 * size[1]], "radii": [size[0]]}
-        return [rr.Capsules3D(translations=[start], **long, **placed, **solid)]
-    if kind == _KINDS.mjGEOM_MESH:
-        return [_mesh(model, g), _placement(centre, wxyz)]
-    half = np.full(3, size[0]) if kind == _KINDS.mjGEOM_SPHERE else size
-    return [rr.Ellipsoids3D(half_sizes=[half], centers=[centre], **placed, **solid)]
+        axis = np.array([_z_axis(quaternion) for quaternion in wxyz])
+        start = centre - size[:, 1:2] * axis  # rerun's capsule starts at its origin
+        return "capsules", rr.Capsules3D(translations=start, **long, **placed)
+    sphere = kind == _KINDS.mjGEOM_SPHERE
+    half = np.repeat(size[:, :1], 3, axis=1) if sphere else size
+    name = "spheres" if sphere else "ellipsoids"
+    return name, rr.Ellipsoids3D(half_sizes=half, centers=centre, **placed)
 
 
 def _mesh(model: Any, g: int) -> rr.Mesh3D:
