@@ -86,7 +86,7 @@ class SideslipEkf:
     """Extended Kalman filter on speeds, heading, slides, and what is not mounted true.
 
         x = [v_x, v_y, heading, gyro bias, heading bias, camera yaw, camera scale, wheel scale,
-             slide of the centre of gravity, slide of the rear axle]
+             slide of the centre of gravity, slide of the rear axle, pull of the pixels]
 
     The slides are the sideslip amounts, integrals of lateral speed, so that their sd knows of the
     biases they share. Camera yaw and heading bias are found where the machine drives straight on
@@ -225,7 +225,7 @@ class Work:
         state = self.state
         dt = (epoch_ns - state.epoch_ns) * 1e-9
         if state.epoch_ns >= 0 and dt > STALE_S:
-            model.forget(state.x, state.p)
+            model.forget(state.x, state.p, self.tuning)
             state.tilt = tilt.forget(state.tilt)
         elif state.epoch_ns >= 0 and dt > 0.0:
             model.predict(state.x, state.p, dt, rate, state.nominal, self.tuning)
