@@ -35,9 +35,8 @@ WHY_DISTURBED = (
     "the other's, and smoothing takes out most of the rest, so what was said of the clean signals "
     "decides here too. The published KF errs less with disturbances (0.0795) than without "
     "(0.0848), which no error added to a measurement does, so its row is no target. Where the "
-    "ground truly moves, and for a whole cycle, the KF tuned on gentle motion is the one that errs "
-    "most of the filters, and the adaptive ones hardly notice: a strength that the paper does not "
-    "claim."
+    "ground truly moves, and for a whole cycle, the KF tuned on gentle motion errs more than "
+    "the adaptive filters, which hardly notice: a strength that the paper does not claim."
 )
 WHY_FIELD = (
     "Why: the paper does not define its KF; ours takes the GNSS speed with Q = I and so hardly "
