@@ -1,11 +1,11 @@
-"""Learn slip control on Plough-v0 with PPO, on two cores in under ten minutes.
+"""Learn slip control with PPO, on two cores in under ten minutes.
 
     pip install 'tractor-twin[rl]'
-    python examples/train_slip_control.py --out slip-ppo.zip
-    twin compare-controllers --policy slip-ppo.zip
+    python examples/train_slip_control.py --env WheelSlip-v0 --out wheel-ppo.zip
+    twin compare-controllers --env WheelSlip-v0 --policy wheel-ppo.zip
 
-The policy is trained on the true slip and depth of training grounds, with noise of about the
-estimator's own, and meets the estimator first on the grounds that compare.
+The policy learns what to add to the tuned PI. It is trained on the truth of training grounds, with
+noise of about the estimator's own, and meets the estimator first on the grounds that compare.
 """
 
 import argparse
@@ -19,31 +19,36 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 
 from twin.control import policy
-from twin.control.trials import TRAINING
-from twin.env.vector import PloughVectorEnv
+from twin.control.trials import ENVIRONMENTS, TRAINING
 
-GAMMA, USUAL, SCALE, STALL = 0.95, 0.7, 5.0, 70.0
+GAMMA, SCALE, STALL = 0.9, 5.0, 30.0
+USUAL = {"Plough-v0": 0.75, "WheelSlip-v0": 0.75}
 """Rewards are learned as what they are above the usual, scaled; a stall loses that for good."""
-NOISE = {"slip": 0.01, "speed_mps": 0.02, "wheel_speed_mps": 0.01, "depth_m": 0.01}
+NOISE = {
+    "slip": 0.01, "slip_rl": 0.015, "slip_rr": 0.015, "speed_mps": 0.02,
+    "wheel_speed_mps": 0.01, "depth_m": 0.01,
+}  # fmt: skip
 
 
 class Fields(VecEnv):
-    """PloughVectorEnv as stable-baselines3 wants it; a step is one decision of the policy."""
+    """A vector environment as stable-baselines3 wants it; a step is one decision of the policy."""
 
-    def __init__(self, tractors, steps, seed):
-        self.env = PloughVectorEnv(tractors, observation="truth", autoreset_mode="DISABLED")
+    def __init__(self, name, tractors, steps, seed):
+        kind = ENVIRONMENTS[name][0]
+        self.env = kind(tractors, observation="truth", autoreset_mode="DISABLED")
+        self.task, self.usual = policy.TASKS[name], USUAL[name]
         self.names = [entry.name for entry in self.env.entries]
         self.period_s = self.env.episodes.fleet.period_s
         self.repeat = round(policy.DECISION_S / self.period_s)
         self.steps, self.noise = steps, np.random.default_rng(seed)
         self.first = TRAINING + 1000 * seed
-        seen = Box(-10.0, 10.0, (len(policy.FEATURES),), np.float32)
+        seen = Box(-10.0, 10.0, (self.task.size,), np.float32)
         super().__init__(tractors, seen, Box(-1.0, 1.0, (2,), np.float32))
 
     def reset(self):
         observation, _ = self.env.reset(seed=self.first)
         self.age = self.noise.integers(self.steps, size=self.num_envs)  # not all end at once
-        self.slow = None
+        self.slow, self.base = None, self.task.base.init(self.num_envs)
         return self._features(observation)
 
     def step_async(self, actions):
@@ -52,7 +57,8 @@ class Fields(VecEnv):
     def step_wait(self):
         reward, ended = np.zeros(self.num_envs), np.zeros(self.num_envs, dtype=bool)
         for _ in range(self.repeat):
-            action = policy.meant(self.wanted, self.seen).astype(np.float32)
+            self.base, action = self.task.base.act(self.base, self.seen, self.period_s)
+            action = policy.added(self.task, action, self.wanted).astype(np.float32)
             observation, value, stalled, _, _ = self.env.step(action)
             reward, ended = reward + np.where(ended, 0.0, value), ended | stalled
             last = self._features(observation)
@@ -69,7 +75,7 @@ class Fields(VecEnv):
         if (over | ended).any():
             self.age[over | ended] = 0
             now = self._features(observation, fresh=over | ended)
-        worth = SCALE * (reward / self.repeat - USUAL)
+        worth = SCALE * (reward / self.repeat - self.usual)
         worth -= np.where(ended, STALL, 0.0)
         return now, worth.astype(np.float32), over | ended, infos
 
@@ -79,11 +85,15 @@ class Fields(VecEnv):
     def _features(self, observation, fresh=None):
         values = dict(zip(self.names, observation.T.astype(float), strict=True))
         for name, sd in NOISE.items():
-            values[name] = values[name] + sd * self.noise.standard_normal(self.num_envs)
+            if name in values:
+                values[name] = values[name] + sd * self.noise.standard_normal(self.num_envs)
         self.seen = values
-        slow = policy.slow(self.slow, values, self.period_s)
-        self.slow = slow if fresh is None else np.where(fresh, values["slip"], slow)
-        return policy.features(values, self.slow)
+        self.slow = policy.smoothed(self.task, self.slow, values, self.period_s)
+        if fresh is not None:
+            self.slow = {n: np.where(fresh, values[n], slow) for n, slow in self.slow.items()}
+            begun = self.task.base.init(self.num_envs)
+            self.base = np.where(fresh, begun, self.base)
+        return policy.features(self.task, values, self.slow)
 
     def close(self):
         self.env.close()
@@ -104,8 +114,9 @@ class Fields(VecEnv):
 class Budget(BaseCallback):
     """Ends training when the time is up; says now and then how it goes."""
 
-    def __init__(self, minutes):
+    def __init__(self, minutes, usual):
         super().__init__()
+        self.usual = usual
         self.seconds, self.told = 60.0 * minutes, 0.0
 
     def _on_training_start(self):
@@ -115,7 +126,7 @@ class Budget(BaseCallback):
         now = time.perf_counter() - self.start
         if now > self.told + 30.0:
             self.told = now
-            lately = [USUAL + e["r"] / e["l"] / SCALE for e in self.model.ep_info_buffer]
+            lately = [self.usual + e["r"] / e["l"] / SCALE for e in self.model.ep_info_buffer]
             reward = np.mean(lately) if lately else float("nan")
             print(
                 f"{now:4.0f} s {self.num_timesteps:8d} decisions, reward {reward:.4f}", flush=True
@@ -125,19 +136,20 @@ class Budget(BaseCallback):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--env", default="WheelSlip-v0", choices=list(USUAL))
     parser.add_argument("--out", default="slip-ppo.zip")
     parser.add_argument("--minutes", type=float, default=9.0)
     parser.add_argument("--tractors", type=int, default=128)
     parser.add_argument("--seed", type=int, default=0)
     asked = parser.parse_args()
     torch.set_num_threads(1)  # small networks: more threads only wait for each other
-    fields = VecMonitor(Fields(asked.tractors, steps=100, seed=asked.seed))
+    fields = VecMonitor(Fields(asked.env, asked.tractors, steps=100, seed=asked.seed))
     model = PPO(
         "MlpPolicy", fields, seed=asked.seed, device="cpu", n_steps=32, batch_size=512,
         n_epochs=10, learning_rate=5e-4, gamma=GAMMA, gae_lambda=0.9, ent_coef=0.0,
-        policy_kwargs={"net_arch": [64, 64], "log_std_init": -1.4},
+        policy_kwargs={"net_arch": [64, 64], "log_std_init": -1.0},
     )  # fmt: skip
-    model.learn(10**9, callback=Budget(asked.minutes))
+    model.learn(10**9, callback=Budget(asked.minutes, USUAL[asked.env]))
     model.save(asked.out)
     print(f"saved {asked.out} after {model.num_timesteps} decisions")
 

@@ -24,6 +24,7 @@ import mujoco
 from twin import runfolder, sensors
 from twin.camera.tracking import ODOMETRY
 from twin.commands.run import Options, execute
+from twin.env import speed
 from twin.lookup import attribute
 from twin.machine.build import Machine, build
 from twin.machine.files import model_path
@@ -42,7 +43,8 @@ NO_SENSORS = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
 
 def rows() -> list[dict[str, Any]]:
     """All measurements, as rows with their bounds."""
-    return [*step_rows(), *estimator_rows(), *run_rows(), *camera_rows(), *ima_pkf_speed.rows()]
+    own = [*step_rows(), *estimator_rows(), *run_rows(), *camera_rows()]
+    return [*own, *speed.rows(), *ima_pkf_speed.rows()]
 
 
 def step_rows() -> list[dict[str, Any]]:

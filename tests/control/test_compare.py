@@ -9,7 +9,7 @@ from twin.cli import main
 from twin.control import policy
 from twin.control.compare import compare, interval, rows
 from twin.control.controllers import BASELINES
-from twin.control.trials import HELD_OUT, QUANTITIES, TRAINING, drive
+from twin.control.trials import ENVIRONMENTS, HELD_OUT, PULL_QUANTITIES, QUANTITIES, TRAINING, drive
 from twin.env.vector import PloughVectorEnv
 from twin.errors import BadInput
 
@@ -53,32 +53,44 @@ def test_what_is_measured_is_a_tractor_s(trials):
     assert np.all(seen["stalled"] == 0.0)
 
 
+def test_what_is_measured_of_a_pull_is_the_electric_tractor_s():
+    seen = compare({"constant": ENVIRONMENTS["WheelSlip-v0"][1]["constant"]}, 3, 6.0, "truth",
+                   environment="WheelSlip-v0")["constant"]  # fmt: skip
+    assert seen.keys() == PULL_QUANTITIES.keys()
+    assert np.all((seen["speed"] > 0.5) & (seen["speed"] < 3.0))
+    assert np.all((seen["traction_efficiency"] > 0.2) & (seen["traction_efficiency"] < 0.95))
+    assert np.all(seen["slip_rms_error"] < 0.6)
+
+
 def test_both_ways_of_seeing_drive_the_same_grounds():
     done = {m: compare({"pi": BASELINES["pi"]}, 2, 6.0, m)["pi"] for m in ("truth", "estimate")}
     np.testing.assert_allclose(done["truth"]["work_rate"], done["estimate"]["work_rate"], atol=0.1)
 
 
-def test_features_are_of_order_one_and_the_policy_holds_its_decision():
+@pytest.mark.parametrize("name", ENVIRONMENTS)
+def test_features_are_of_order_one_and_the_policy_adds_to_the_pi_and_holds(name):
     class Model:
         calls = 0
 
         def predict(self, observation, deterministic):
             Model.calls += 1
-            assert observation.shape == (2, len(policy.FEATURES))
+            assert observation.shape == (2, task.size)
             assert np.abs(observation).max() <= 5.0
-            return np.zeros((2, 2)), None
+            return np.full((2, 2), 0.5), None
 
-    env = PloughVectorEnv(2, observation="truth")
+    task, base = policy.TASKS[name], policy.TASKS[name].base
+    env = ENVIRONMENTS[name][0](2, observation="truth")
     names = [e.name for e in env.entries]
     observation, _ = env.reset(seed=0)
-    driver = policy.Policy(Model())
+    driver, alone = policy.Policy(Model(), task), base.init(2)
     state = driver.init(2)
     for _ in range(20):
         seen = dict(zip(names, observation.T.astype(float), strict=True))
         state, action = driver.act(state, seen, 0.02)
+        alone, own = base.act(alone, seen, 0.02)
+        np.testing.assert_array_equal(action, np.clip(own + 0.5 * np.array(task.reach), -1, 1))
         observation = env.step(action.astype(np.float32))[0]
     assert Model.calls == 2
-    np.testing.assert_allclose(action[:, 0], 0.5)
 
 
 def test_a_file_that_is_no_policy_is_named(tmp_path):

@@ -1,5 +1,6 @@
 """Many tractors at once: the single environment's numbers, autoreset, parts, rates."""
 
+import os
 import pickle
 import warnings
 
@@ -10,7 +11,7 @@ from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode
 
 from twin.env.observations import MODES
-from twin.env.vector import PloughVectorEnv
+from twin.env.vector import PloughVectorEnv, WheelSlipVectorEnv
 from twin.errors import BadInput, TwinError
 
 COUNT = 4
@@ -178,14 +179,19 @@ def test_an_impossible_action_is_named(vector):
     vector.step(actions(1)[0])
 
 
+EPISODES = int(os.environ.get("TWIN_RANDOM_EPISODES", "160"))
+"""Of each environment; 10000 by hand: TWIN_RANDOM_EPISODES=10000 pytest -k random_episodes."""
+
+
 @pytest.mark.slow
-def test_random_episodes_over_the_whole_action_range_stay_finite():
-    """320 episodes of 2 s, a new random action every 0.2 s, corners as often as the inside."""
-    many = PloughVectorEnv(64, observation="truth", max_episode_steps=100)
+@pytest.mark.parametrize("kind", [PloughVectorEnv, WheelSlipVectorEnv])
+def test_random_episodes_over_the_whole_action_range_stay_finite(kind):
+    """Episodes of 2 s, a new random action every 0.2 s, corners as often as the inside."""
+    many = kind(64, observation="truth", max_episode_steps=100)
     generator = np.random.default_rng(0)
     many.reset(seed=0)
     ended = 0
-    while ended < 320:
+    while ended < EPISODES:
         inside = generator.uniform(-1.0, 1.0, (64, 2))
         corner = generator.random((64, 1)) < 0.5
         action = np.where(corner, np.sign(inside), inside).astype(np.float32)

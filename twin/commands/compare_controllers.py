@@ -19,8 +19,10 @@ OBSERVATIONS = ("estimate", "truth")
 
 @dataclass(frozen=True, kw_only=True)
 class CompareControllers:
-    """Drive the baselines and any saved policy over the same held-out grounds of Plough-v0."""
+    """Drive the baselines and any saved policy over the same held-out grounds."""
 
+    env: str = "Plough-v0"
+    """Environment: Plough-v0 or WheelSlip-v0."""
     episodes: int = 50
     """Held-out grounds."""
     policy: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()
@@ -45,15 +47,22 @@ def main(args: Sequence[str]) -> int:
     for name, path in (("--json", options.json), ("--report", options.report)):
         if path is not None and not path.parent.is_dir():
             raise BadInput(f"{name} {path}: there is no directory {path.parent}")
-    from twin.control import compare, policy
-    from twin.control.controllers import BASELINES, Controller
+    from twin.control import compare, policy, trials
+    from twin.control.controllers import Controller
 
-    controllers: dict[str, Controller] = dict(BASELINES)
+    if options.env not in trials.ENVIRONMENTS:
+        raise UnknownName("environment", options.env, trials.ENVIRONMENTS)
+    controllers: dict[str, Controller] = dict(trials.ENVIRONMENTS[options.env][1])
     for file in options.policy:
-        controllers[file.stem] = policy.load(file)
+        controllers[file.stem] = policy.load(file, options.env)
     with progress("comparing", shown=True) as told:
         measured = compare.compare(
-            controllers, options.episodes, options.duration_s, options.observation, told
+            controllers,
+            options.episodes,
+            options.duration_s,
+            options.observation,
+            told,
+            options.env,
         )
     found = compare.rows(measured)
     print_comparison(found, list(controllers), options.episodes)

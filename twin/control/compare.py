@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from twin.control.controllers import Controller
-from twin.control.trials import HELD_OUT, QUANTITIES, drive
-from twin.env.vector import PloughVectorEnv
+from twin.control.trials import ENVIRONMENTS, HELD_OUT, PULL_QUANTITIES, QUANTITIES, drive
 from twin.rows import row
 
 Array = NDArray[np.float64]
@@ -23,6 +22,7 @@ def compare(
     duration_s: float,
     observation: str,
     progress: Callable[[float], None] = lambda share: None,
+    environment: str = "Plough-v0",
 ) -> dict[str, dict[str, Array]]:
     """What each controller reached on each ground; the same grounds for all.
 
@@ -32,11 +32,12 @@ def compare(
         duration_s: length of an episode.
         observation: what the controllers see; see `PloughEnv`.
         progress: told the share done.
+        environment: one of `ENVIRONMENTS`.
 
     Returns:
         By controller, then by quantity, arrays of shape (episodes,).
     """
-    env = PloughVectorEnv(episodes, observation=observation)
+    env = ENVIRONMENTS[environment][0](episodes, observation=observation)
     seeds, done = [HELD_OUT + i for i in range(episodes)], {}
     for i, (name, controller) in enumerate(controllers.items()):
         part = _part(progress, i, len(controllers))
@@ -68,7 +69,8 @@ def rows(
     """
     out = []
     for name, quantities in measured.items():
-        for quantity, unit in QUANTITIES.items():
+        for quantity in quantities:
+            unit = (QUANTITIES | PULL_QUANTITIES)[quantity]
             out.append(_row(name, quantity, quantities[quantity], unit))
     for other in against:
         for name in measured:

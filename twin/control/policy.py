@@ -1,8 +1,14 @@
-"""A learned policy as a controller: what it sees, how often it decides, and how it is loaded."""
+"""A learned policy as a controller: it adds to a tuned PI what it has learned that is missing.
+
+    action = clip(PI's action + reach * raw),  raw in [-1, 1] decided every `DECISION_S`
+
+so that an untrained policy of zeros is the PI. Source of the form: Johannink et al. 2019, residual
+reinforcement learning for robot control.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,47 +16,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.control.controllers import Seen, actions
+from twin.control.controllers import BASELINES, Controller, Seen
+from twin.control.torques import TorquePI
 from twin.errors import BadInput
 
 Array = NDArray[np.float64]
 
 DECISION_S = 0.2
-"""Time between two decisions of a policy [s]; its actions hold in between."""
+"""Time between two decisions of a policy [s]; what it adds holds in between."""
 SMOOTHING_S = 1.0
-"""Time constant of the slow slip a policy sees beside the slip [s]."""
-THROTTLE, DEEPEST_M, RELIEF_M = (0.0, 1.0), 0.02, 0.20
-"""What a policy's actions in [-1, 1] span: throttle, and the depth set point about the target."""
-FEATURES = (
-    "slip_error", "slow_slip_error", "speed", "wheel_speed", "depth_error", "engine_speed",
-    "throttle", "lift_set", "slip_target", "depth_target",
-)  # fmt: skip
-"""What a policy sees; all of it stands in the observations "estimate" and "truth" alike."""
+"""Time constant of the slow slips a policy sees beside the slips [s]."""
 
 
-@dataclass(frozen=True)
-class Memory:
-    """What a policy keeps between control steps."""
-
-    slow_slip: Array | None = None
-    wait_s: float = 0.0
-    actions: Array | None = None
-
-
-def slow(before: Array | None, seen: Seen, period_s: float) -> Array:
-    """Slip through a first-order low-pass of `SMOOTHING_S`."""
-    slip = seen["slip"]
-    if before is None:
-        return np.array(slip)
-    return np.asarray(before + (slip - before) * period_s / SMOOTHING_S)
-
-
-def features(seen: Seen, slow_slip: Array) -> NDArray[np.float32]:
-    """What a policy sees, of order one, (count, FEATURES)."""
+def plough_features(seen: Seen, slow: Seen) -> list[Array]:
+    """Slip, speeds, depth, engine and controls of Plough-v0."""
     target, depth_m = seen["slip_target"], np.maximum(seen["depth_m"], 0.0)
-    columns = (
+    return [
         (seen["slip"] - target) / 0.1,
-        (slow_slip - target) / 0.1,
+        (slow["slip"] - target) / 0.1,
         seen["speed_mps"] / 2.0 - 0.8,
         seen["wheel_speed_mps"] / 2.0 - 0.8,
         (depth_m - seen["depth_target_m"]) / 0.05,
@@ -59,41 +42,107 @@ def features(seen: Seen, slow_slip: Array) -> NDArray[np.float32]:
         seen["lift_set_rad"] * 5.0,
         target * 5.0,
         seen["depth_target_m"] * 4.0,
-    )
-    return np.clip(np.stack(columns, axis=-1), -10.0, 10.0).astype(np.float32)
+    ]
 
 
-def meant(raw: NDArray[Any], seen: Seen) -> Array:
-    """The environment's actions of a policy's: throttle, and depth about its target."""
-    raw = np.clip(np.asarray(raw, dtype=np.float64), -1.0, 1.0)
-    low, high = THROTTLE
-    throttle = low + 0.5 * (raw[:, 0] + 1.0) * (high - low)
-    offset_m = -RELIEF_M + 0.5 * (raw[:, 1] + 1.0) * (DEEPEST_M + RELIEF_M)
-    return actions(throttle, seen["depth_target_m"] + offset_m)
+def torque_features(seen: Seen, slow: Seen) -> list[Array]:
+    """Slips, speeds and torques of WheelSlip-v0."""
+    target = seen["slip_target"]
+    wheels = ("slip_rl", "slip_rr")
+    return [
+        *((seen[wheel] - target) / 0.1 for wheel in wheels),
+        *((slow[wheel] - target) / 0.1 for wheel in wheels),
+        seen["speed_mps"] - 1.3,
+        seen["wheel_speed_mps"] - 1.5,
+        seen["torque_left"],
+        seen["torque_right"],
+        target * 5.0,
+    ]
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a policy is for, and what it adds to."""
+
+    base: Controller
+    reach: tuple[float, float]
+    """Most that is added to each action."""
+    features: Callable[[Seen, Seen], list[Array]]
+    """What a policy sees; all of it stands in the observations "estimate" and "truth" alike."""
+    size: int
+    """How many features there are."""
+    slow: tuple[str, ...]
+    """What it also sees smoothed."""
+
+
+TASKS = {
+    "Plough-v0": Task(BASELINES["pi"], (0.4, 0.25), plough_features, 10, ("slip",)),
+    "WheelSlip-v0": Task(
+        TorquePI(feed=0.6, kp=0.5, ki_ps=8.0),
+        (0.25, 0.25),
+        torque_features,
+        9,
+        ("slip_rl", "slip_rr"),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Memory:
+    """What a policy keeps between control steps."""
+
+    base: Any
+    slow: Mapping[str, Array] | None = None
+    wait_s: float = 0.0
+    raw: Array | None = None
+
+
+def smoothed(
+    task: Task, before: Mapping[str, Array] | None, seen: Seen, period_s: float
+) -> dict[str, Array]:
+    """The task's slow slips: through a first-order low-pass of `SMOOTHING_S`."""
+    if before is None:
+        return {name: np.array(seen[name]) for name in task.slow}
+    share = period_s / SMOOTHING_S
+    return {name: before[name] + share * (seen[name] - before[name]) for name in task.slow}
+
+
+def features(task: Task, seen: Seen, slow: Mapping[str, Array]) -> NDArray[np.float32]:
+    """What a policy sees, of order one, (count, size)."""
+    columns = np.stack(task.features(seen, slow), axis=-1)
+    return np.clip(columns, -10.0, 10.0).astype(np.float32)
+
+
+def added(task: Task, actions: Array, raw: Array) -> Array:
+    """A base's actions and what a policy adds, (count, 2) in [-1, 1]."""
+    total = actions + np.array(task.reach) * np.clip(raw, -1.0, 1.0)
+    return np.asarray(np.clip(total, -1.0, 1.0), dtype=np.float64)
 
 
 @dataclass(frozen=True)
 class Policy:
-    """A model of stable-baselines3 that decides every `DECISION_S`."""
+    """A model of stable-baselines3 that adds to a base every `DECISION_S`."""
 
     model: Any
+    task: Task
 
     def init(self, count: int) -> Memory:
         """Nothing seen yet."""
-        return Memory()
+        return Memory(self.task.base.init(count))
 
     def act(self, state: Memory, seen: Seen, period_s: float) -> tuple[Memory, Array]:
         """One control step; a decision where one is due."""
-        slow_slip, wait_s = slow(state.slow_slip, seen, period_s), state.wait_s - period_s
-        taken = state.actions
-        if taken is None or wait_s < 0.5 * period_s:
-            raw, _ = self.model.predict(features(seen, slow_slip), deterministic=True)
-            taken, wait_s = meant(raw, seen), DECISION_S
-        return Memory(slow_slip, wait_s, taken), taken
+        slow = smoothed(self.task, state.slow, seen, period_s)
+        base, actions = self.task.base.act(state.base, seen, period_s)
+        raw, wait_s = state.raw, state.wait_s - period_s
+        if raw is None or wait_s < 0.5 * period_s:
+            decided, _ = self.model.predict(features(self.task, seen, slow), deterministic=True)
+            raw, wait_s = np.asarray(decided, dtype=np.float64), DECISION_S
+        return Memory(base, slow, wait_s, raw), added(self.task, actions, raw)
 
 
-def load(file: Path) -> Policy:
-    """A policy saved by stable-baselines3 that sees the `FEATURES`.
+def load(file: Path, environment: str = "Plough-v0") -> Policy:
+    """A policy for an environment, saved by stable-baselines3, that sees its task's features.
 
     Raises:
         BadInput: stable-baselines3 is not installed, or the file is no such policy.
@@ -106,6 +155,7 @@ def load(file: Path) -> Policy:
         ) from None
     if not file.is_file():
         raise BadInput(f"--policy {file}: there is no such file")
+    task = TASKS[environment]
     algorithms: Mapping[str, Any] = {
         n: getattr(stable_baselines3, n) for n in ("PPO", "SAC", "TD3", "A2C")
     }
@@ -114,10 +164,10 @@ def load(file: Path) -> Policy:
             model = algorithm.load(file, device="cpu")
         except Exception:  # a file of another algorithm fails in a way of its own
             continue
-        if model.observation_space.shape == (len(FEATURES),):
-            return Policy(model)
+        if model.observation_space.shape == (task.size,):
+            return Policy(model, task)
         raise BadInput(
-            f"--policy {file}: sees {model.observation_space.shape}, not the {len(FEATURES)} "
-            "features of twin.control.policy"
+            f"--policy {file}: sees {model.observation_space.shape}, not the {task.size} features "
+            f"of {environment} in twin.control.policy"
         )
     raise BadInput(f"--policy {file}: no policy of {', '.join(algorithms)}")

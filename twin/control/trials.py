@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.control.controllers import Controller
-from twin.env.vector import PloughVectorEnv
+from twin.control.controllers import BASELINES, Controller
+from twin.control.torques import TORQUE_BASELINES
+from twin.env.ploughing import Ploughing
+from twin.env.vector import ManyEnv, PloughVectorEnv, WheelSlipVectorEnv
 
 Array = NDArray[np.float64]
 
@@ -21,11 +23,21 @@ QUANTITIES = {
     "reward": "1", "traction_efficiency": "1", "work_rate": "ha/h", "fuel": "L/ha",
     "slip_rms_error": "1", "depth_rms_error": "m", "stalled": "1",
 }  # fmt: skip
-"""What is measured on each ground, with its unit."""
+"""What is measured on each ground of Plough-v0, with its unit."""
+PULL_QUANTITIES = {
+    "reward": "1", "traction_efficiency": "1", "speed": "m/s", "slip_rms_error": "1",
+    "sideslip_rms": "m/s", "stalled": "1",
+}  # fmt: skip
+"""The same of WheelSlip-v0; the slip error is that of both rear wheels."""
+ENVIRONMENTS: dict[str, tuple[type[PloughVectorEnv | WheelSlipVectorEnv], Any]] = {
+    "Plough-v0": (PloughVectorEnv, BASELINES),
+    "WheelSlip-v0": (WheelSlipVectorEnv, TORQUE_BASELINES),
+}
+"""Where controllers are compared: the environment and its baselines."""
 
 
 def drive(
-    env: PloughVectorEnv,
+    env: ManyEnv,
     controller: Controller,
     seeds: Sequence[int],
     duration_s: float,
@@ -44,7 +56,7 @@ def drive(
         progress: told the share done.
 
     Returns:
-        The `QUANTITIES`, each of shape (grounds,).
+        The `QUANTITIES`, or the `PULL_QUANTITIES`, each of shape (grounds,).
     """
     period_s = env.episodes.fleet.period_s
     steps, entry = round(duration_s / period_s), round(ENTRY_S / period_s)
@@ -62,12 +74,23 @@ def drive(
             for name, value in _judged(env, info).items():
                 sums[name] += np.where(alive, value, 1.0 if name == "slip_sq" else 0.0)
         progress((step + 1) / steps)
-    return _measured(sums, alive, steps, steps - entry)
+    rest = {"reward": sums["reward"] / steps, "stalled": np.where(alive, 0.0, 1.0)}
+    found = (_ploughed if "work" in sums else _pulled)(sums, steps - entry)
+    return found | rest
 
 
-def _judged(env: PloughVectorEnv, info: Mapping[str, Any]) -> dict[str, Array]:
+def _judged(env: ManyEnv, info: Mapping[str, Any]) -> dict[str, Array]:
     """What is summed over the control steps after the entry."""
     none = np.zeros(env.num_envs)
+    if not isinstance(env.episodes, Ploughing):
+        target = env.episodes.slip_target
+        left, right = (info.get(f"slip_{wheel}", none) - target for wheel in ("rl", "rr"))
+        return {
+            "efficiency": info.get("traction_efficiency", none),
+            "speed": info.get("speed_mps", none),
+            "slip_sq": 0.5 * (left * left + right * right),
+            "sideslip_sq": info.get("v_y_rear_mps", none) ** 2,
+        }
     value = {
         name: info.get(name, none)
         for name in ("traction_efficiency", "work_rate_haph", "fuel_lph", "slip", "depth_m")
@@ -81,15 +104,20 @@ def _judged(env: PloughVectorEnv, info: Mapping[str, Any]) -> dict[str, Array]:
     }
 
 
-def _measured(
-    sums: Mapping[str, Array], alive: NDArray[np.bool_], steps: int, judged: int
-) -> dict[str, Array]:
+def _pulled(sums: Mapping[str, Array], judged: int) -> dict[str, Array]:
     return {
-        "reward": sums["reward"] / steps,
+        "traction_efficiency": sums["efficiency"] / judged,
+        "speed": sums["speed"] / judged,
+        "slip_rms_error": np.sqrt(sums["slip_sq"] / judged),
+        "sideslip_rms": np.sqrt(sums["sideslip_sq"] / judged),
+    }
+
+
+def _ploughed(sums: Mapping[str, Array], judged: int) -> dict[str, Array]:
+    return {
         "traction_efficiency": sums["efficiency"] / judged,
         "work_rate": sums["work"] / judged,
         "fuel": sums["fuel"] / np.maximum(sums["work"], 1e-3 * judged),
         "slip_rms_error": np.sqrt(sums["slip_sq"] / judged),
         "depth_rms_error": np.sqrt(sums["depth_sq"] / judged),
-        "stalled": np.where(alive, 0.0, 1.0),
     }

@@ -18,6 +18,7 @@ from twin.sensors.machine import Bus, fuel_lph
 
 Array = NDArray[np.float64]
 
+RATED_POWER_W = Bus().rated_power_w
 KNOWN = ("slip", "depth_m", "speed_mps", "draft_n", "traction_efficiency")
 
 
@@ -74,5 +75,5 @@ class Ploughing(Episodes):
         return {
             **{name: true[name] for name in KNOWN},
             "work_rate_haph": rate_m2ps * 0.36,
-            "fuel_lph": fuel_lph(power_w, Bus().rated_power_w),
+            "fuel_lph": fuel_lph(power_w, RATED_POWER_W),
         }

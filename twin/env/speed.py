@@ -1,0 +1,70 @@
+"""What `twin bench` measures of the environments: their own share of a control step's time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from twin.env.plough import PloughEnv
+from twin.env.vector import PloughVectorEnv
+from twin.rows import row
+
+ACTION = np.array([0.3, 0.5], dtype=np.float32)
+SETTLE_STEPS, REPEATS = 100, 40
+
+
+def rows() -> list[dict[str, Any]]:
+    """Rates of the environments over the physics' own, and the cost of one reset; on the truth."""
+    return [_vector(256), _single(), _reset(1024)]
+
+
+def _vector(count: int) -> dict[str, Any]:
+    env = PloughVectorEnv(count, observation="truth")
+    env.reset(seed=0)
+    actions = np.tile(ACTION, (count, 1))
+    for _ in range(SETTLE_STEPS):
+        env.step(actions)
+    fleet = env.episodes.fleet
+    own_s, raw_s = _best(lambda: env.step(actions), lambda: fleet.batch.step(nstep=fleet.steps))
+    return row(
+        f"Plough-v0, {count} tractors", "rate over Batch.step's", raw_s / own_s, "1", low=0.6
+    )
+
+
+def _single() -> dict[str, Any]:
+    env = PloughEnv("truth")
+    env.reset(seed=0)
+    for _ in range(SETTLE_STEPS):
+        env.step(ACTION)
+    fleet = env.episodes.fleet
+    model, state = fleet.batch.get_model(0), fleet.batch.get_data(0)
+    own_s, raw_s = _best(
+        lambda: env.step(ACTION), lambda: mujoco.mj_step(model, state, fleet.steps), repeats=400
+    )
+    return row("Plough-v0, one tractor", "rate over mj_step's", raw_s / own_s, "1", low=0.25)
+
+
+def _reset(count: int) -> dict[str, Any]:
+    env = PloughVectorEnv(count, observation="truth")
+    env.reset(seed=0)
+    actions, mask = np.tile(ACTION, (count, 1)), np.arange(count) == 5
+    step_s, reset_s = _best(
+        lambda: env.step(actions), lambda: env.reset(options={"reset_mask": mask}), repeats=20
+    )
+    case = f"Plough-v0, {count} tractors"
+    return row(case, "reset of one over a control step of all", reset_s / step_s, "1", high=0.01)
+
+
+def _best(*actions: Callable[[], Any], repeats: int = REPEATS) -> list[float]:
+    """Shortest time of each action [s], the actions taken in turn."""
+    best = [float("inf")] * len(actions)
+    for _ in range(repeats):
+        for i, action in enumerate(actions):
+            start = time.perf_counter()
+            action()
+            best[i] = min(best[i], time.perf_counter() - start)
+    return best
