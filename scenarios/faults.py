@@ -22,12 +22,12 @@ EXPECTED: dict[str, tuple[float, float, str]] = {
     "wheel-stuck": (10.0, 0.015, "the other rear wheel stands for the axle, flagged"),
     "wheel-missed": (10.0, 0.08, "half of the missed ticks passes for slip: nothing tells it"),
     "imu-saturated": (10.0, 0.015, "a little more noise"),
-    "imu-bias": (10.0, 0.08, "taken for a motion at first, learnt as a bias within seconds"),
+    "imu-bias": (10.0, 0.12, "taken for a motion at first, learnt as a bias within seconds"),
     "imu-back": (2.0, 0.015, "samples older than the newest are put aside, flagged"),
 }
 """Fault -> how long it lasts [s], the largest error of slip in its ten seconds, and the answer."""
 TOGETHER = ("gnss-spike", "gnss-late", "wheel-stuck", "imu-saturated", "imu-bias", "imu-back")
-TOGETHER_LARGEST = 0.08
+TOGETHER_LARGEST = 0.12
 AFTER_S, AFTER_LARGEST = 20.0, 0.02
 """From so long after the fault's beginning slip is right again, within so much."""
 

@@ -45,23 +45,25 @@ class SlipEkf:
 
     jerk_psd: float = 0.2
     """Density of the white jerk [m2/s5]."""
-    accel_tau: float = 10.0
+    accel_tau: float = 1.0
     """Time over which an acceleration is forgotten [s]."""
-    slip_psd: float = 0.003
+    slip_psd: float = 0.015
     """Density of the white noise on the slip's rate [1/s3]."""
     measured_slip_psd: float = 0.3
     """What is added to it where the wheels have accelerometers, which need no model of slip."""
+    load_correlation: float = 0.92
+    """Of what slows the ground speed with what makes slip grow: the draft does both at once."""
     slip_tau: float = 1.0
     """Time over which a slip rate is forgotten [s]."""
     usual_tau: float = 3.0
     """Time in which slip comes back to what it usually is [s]."""
-    usual_psd: float = 5e-6
+    usual_psd: float = 1e-5
     """Density of the walk of that [1/s]."""
-    swing_sd: float = 0.002
+    swing_sd: float = 0.001
     """sd of the slip that comes of pitching."""
     swing_hz: float = 1.8
     """Frequency of that; 1.5-4 Hz for a tractor on its tyres [Hz]."""
-    swing_damping: float = 0.2
+    swing_damping: float = 0.15
     """Its damping ratio."""
     bias_sd: float = 0.3
     """sd of the accelerometer's bias beside the data sheet's: 2 degrees of mean pitch [m/s2]."""

@@ -59,7 +59,8 @@ TUNING = np.dtype(
     [
         (name, "f8")
         for name in (
-            "jerk_psd", "accel_tau", "slip_psd", "measured_slip_psd", "slip_tau", "usual_tau",
+            "jerk_psd", "accel_tau", "slip_psd", "measured_slip_psd", "load_correlation",
+            "slip_tau", "usual_tau",
             "usual_psd", "swing_sd", "swing_hz", "swing_damping", "bias_sd",
             "bias_psd", "gyro_bias_sd",
             "radius_sd", "radius_psd", "skid_sd", "skid_psd",
@@ -124,7 +125,10 @@ def advance(epoch_ns: int, tuning: Record, memory: Record) -> None:
         memory.shift[:] = 0.0
         memory.cut[:] = 0
         memory.grown[:, :] = 0.0
-        model.carry(memory.x, memory.cov, memory.rim_mps, dt, tuning)
+        # slow motion is the driver's, who changes both speeds: the load shows in accelerations
+        felt = memory.imu_ns >= 0 and epoch_ns - memory.imu_ns < 1_000_000_000
+        coupling = tuning.load_correlation if felt else 0.0
+        model.carry(memory.x, memory.cov, memory.rim_mps, coupling, dt, tuning)
     memory.time_ns = max(memory.time_ns, epoch_ns)
 
 

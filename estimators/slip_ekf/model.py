@@ -2,7 +2,8 @@
 
     dv = a dt                         da = white (jerk)
     db = (tilting - g q) dt           q: pitch rate as the gyro has it, an input, nose down
-    ds = s' dt - (s - usual) dt / tau ds' = -s' / tau + white
+    ds = s' dt - (s - usual) dt / tau ds' = -s' / tau + white, against that of the jerk: under load
+                                      the wheels, held by the governor, keep their speed
     slip = s + o                      o'' = -2 z w o' - w^2 o + white, w = 2 pi 2.5 Hz, z = 0.3
     d rear travel  = w (1 + radius + quick radius) dt,   w = v / (1 - slip)
     d front travel = v (1 + skid + quick skid) dt
@@ -123,13 +124,15 @@ def _fade(x: Array, p: Array, i: int, by: float, variance: float) -> None:
 
 
 @compiled
-def carry(x: Array, p: Array, rim: float, dt: float, tuning: Record) -> None:
+def carry(x: Array, p: Array, rim: float, coupling: float, dt: float, tuning: Record) -> None:
     """Predict over a step. The couplings are few, so P <- F P F^T goes row by row.
 
     Args:
         x: mean, (SIZE,), changed in place.
         p: covariance, (SIZE, SIZE), changed in place.
         rim: counted speed of the driven wheels, averaged [m/s].
+        coupling: correlation of the jerk's noise with the slip's, positive where one slows the
+            machine and the other lets it slip.
         dt: the step [s].
         tuning: record of `filter.TUNING`.
     """
@@ -171,6 +174,8 @@ def carry(x: Array, p: Array, rim: float, dt: float, tuning: Record) -> None:
     _fade(x, p, QUICK_RADIUS, math.exp(-dt / tuning.quick_tau), tuning.quick_radius_sd**2)
     _integrated(p, V, A, tuning.jerk_psd, dt)
     _integrated(p, S, DS, tuning.slip_psd, dt)
+    together = coupling * math.sqrt(tuning.jerk_psd * tuning.slip_psd)
+    _together(p, math.copysign(together, -x[V]), dt)
     p[ACCEL_BIAS, ACCEL_BIAS] += tuning.bias_psd * dt
     p[WHEEL_BIAS, WHEEL_BIAS] += tuning.bias_psd * dt
     p[RADIUS, RADIUS] += tuning.radius_psd * dt
@@ -186,6 +191,16 @@ def _integrated(p: Array, low: int, high: int, psd: float, dt: float) -> None:
     p[low, low] += psd * dt**3 / 3.0
     p[low, high] += psd * dt * dt / 2.0
     p[high, low] += psd * dt * dt / 2.0
+
+
+@compiled
+def _together(p: Array, density: float, dt: float) -> None:
+    """Joint density of the noise on jerk and on the slip's second derivative, integrated."""
+    for at_v, at_s, share in ((A, DS, dt), (V, DS, 0.5 * dt**2), (A, S, 0.5 * dt**2)):
+        p[at_v, at_s] += density * share
+        p[at_s, at_v] += density * share
+    p[V, S] += density * dt**3 / 3.0
+    p[S, V] += density * dt**3 / 3.0
 
 
 @compiled

@@ -143,8 +143,8 @@ def _transition(x: Array, dt: float, tuning: Record) -> Array:
         up, down = x.copy(), x.copy()
         up[j] += NUDGE
         down[j] -= NUDGE
-        model.carry(up, unused, 0.0, dt, tuning)
-        model.carry(down, unused, 0.0, dt, tuning)
+        model.carry(up, unused, 0.0, 0.0, dt, tuning)
+        model.carry(down, unused, 0.0, 0.0, dt, tuning)
         f[:, j] = (up - down) / (2.0 * NUDGE)
     return f
 
