@@ -97,7 +97,7 @@ class SlipEkf:
     """Slip with the plough out of the ground; 0.2-0.9 % pull nothing."""
     zero_slip_sd: float = 0.02
     """Its sd in one of 50 samples a second, 0.4 % over some seconds."""
-    unload: float = -0.006
+    unload: float = -0.0075
     """Change of the counted over the true driven speed when the plough goes down: each rear wheel
     loses about 7 kN, and its radius grows by about 0.75 %."""
     unload_sd: float = 0.003
