@@ -178,6 +178,9 @@ class Patch:
         check_range("patch.cone_index_factor", self.cone_index_factor, 0.1, 4.0)
 
 
+SOFT = Soil(preset="soft")
+
+
 @dataclass(frozen=True, kw_only=True)
 class Field:
     """The shape of the ground."""
@@ -201,7 +204,7 @@ class Field:
     """Share of the ground covered by patches of `other_soil`, made from the seed [-]."""
     other_length_m: float = 10.0
     """Size of those patches [m]."""
-    other_soil: Soil = dataclasses.field(default_factory=lambda: Soil(preset="soft"))
+    other_soil: Soil = SOFT
     """The soil of the map or the patches: friction, strength, Bekker's numbers; draft as ever."""
     patches: tuple[Patch, ...] = ()
     """Stretches of other soil, four at most; overlapping ones multiply."""
