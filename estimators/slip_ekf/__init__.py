@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from estimators import signals
 from estimators.estimate import ROW
-from estimators.slip_ekf.filter import TUNING, loop
+from estimators.slip_ekf.filter import loop
 from estimators.slip_ekf.layout import MEMORY
 from estimators.slip_ekf.raised import Lift, lifted, start
+from estimators.slip_ekf.tuning import TUNING
 from twin.streams import ESTIMATES, Setup, Streams, Table
 
 
@@ -28,7 +29,7 @@ class State:
     reader: signals.Reader
     lift: Lift
     tuning: NDArray[Any]
-    """One record of `filter.TUNING`."""
+    """One record of `tuning.TUNING`."""
     memory: NDArray[Any]
     """One record of `layout.MEMORY`."""
 

@@ -134,7 +134,7 @@ def carry(x: Array, p: Array, rim: float, coupling: float, dt: float, tuning: Re
         coupling: correlation of the jerk's noise with the slip's, positive where one slows the
             machine and the other lets it slip.
         dt: the step [s].
-        tuning: record of `filter.TUNING`.
+        tuning: record of `tuning.TUNING`.
     """
     half = 0.5 * dt
     v = x[V] + half * x[A]

@@ -126,3 +126,20 @@ def followed(
             grow(memory, state, below, 0.5 * dt * grown)
             grow(memory, below, state, 0.5 * dt * grown)
     take(memory.x, memory.cov, h, error, r, memory.raised)
+
+
+@compiled
+def restart(memory: Record, state: int, variance: float) -> None:
+    """Count an axle's travel from here."""
+    memory.cut[state] = 1
+    memory.x[state] = 0.0
+    memory.cov[state, :] = 0.0
+    memory.cov[:, state] = 0.0
+    memory.cov[state, state] = variance
+
+
+@compiled
+def shift(memory: Record, state: int, by: float) -> None:
+    """Move a state's origin."""
+    memory.x[state] += by
+    memory.shift[state] += by
