@@ -20,7 +20,7 @@ from estimators.layout import GNSS, OUT_OF_ORDER
 from estimators.slip_ekf import SLIP_EKF, SlipEkf, State, model
 from estimators.slip_ekf.driven import radius
 from estimators.slip_ekf.filter import advance, measure
-from estimators.slip_ekf.layout import SIZE, V
+from estimators.slip_ekf.layout import DS, REAR_TRAVEL, SIZE, SWING, SWING_RATE, A, S, V
 from estimators.slip_ekf.raised import lifted
 from twin.streams import Setup, Streams, Table
 
@@ -61,6 +61,7 @@ class SlipEkfSmooth:
             after_cov=np.zeros((steps, SIZE, SIZE)),
             shift=np.zeros((steps, SIZE)),
             cut=np.ones((steps, SIZE), np.int64),
+            rim=np.zeros(steps),
         )
         nominal, tuning = reader.nominal[0], state.tuning[0]
         count = _forward(samples, raised, nominal, tuning, memory[0], *track.arrays())
@@ -82,6 +83,7 @@ class Track:
     after_cov: Array
     shift: Array
     cut: np.ndarray[Any, np.dtype[np.int64]]
+    rim: Array
 
     def arrays(self) -> tuple[Any, ...]:
         """In the order compiled code takes them."""
@@ -93,6 +95,7 @@ class Track:
             self.after_cov,
             self.shift,
             self.cut,
+            self.rim,
         )
 
 
@@ -110,6 +113,7 @@ def _forward(
     after_cov: Array,
     shift: Array,
     cut: Any,
+    rim: Array,
 ) -> int:
     """Run the filter and keep it at every instant; returns how many there were."""
     n, known_at = -1, 0
@@ -127,7 +131,7 @@ def _forward(
             predicted[:, :] = memory.cov
             known_at = memory.known
         measure(signal, raised[i], h, nominal, tuning, memory)
-        after[n], after_cov[n] = memory.x, memory.cov
+        after[n], after_cov[n], rim[n] = memory.x, memory.cov, memory.rim_mps
         if known_at and memory.known:
             shift[n], cut[n] = memory.shift, memory.cut
             # what grew the covariance within an instant belongs to its prediction
@@ -136,8 +140,8 @@ def _forward(
 
 
 @compiled
-def _transition(x: Array, dt: float, tuning: Record) -> Array:
-    """d carry(x) / dx by central differences, (SIZE, SIZE)."""
+def _transition(x: Array, rim: float, dt: float, tuning: Record) -> Array:
+    """d carry(x) / dx by central differences, (SIZE, SIZE); of travel along `rim`, as forwards."""
     f, unused = np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
     for j in range(SIZE):
         up, down = x.copy(), x.copy()
@@ -146,6 +150,12 @@ def _transition(x: Array, dt: float, tuning: Record) -> Array:
         model.carry(up, unused, 0.0, 0.0, dt, tuning)
         model.carry(down, unused, 0.0, 0.0, dt, tuning)
         f[:, j] = (up - down) / (2.0 * NUDGE)
+    half = 0.5 * dt
+    slip = model.slip_of(x) + half * (x[DS] + x[SWING_RATE])
+    wheel = (x[V] + half * x[A]) * model.gearing(slip)
+    if abs(wheel) > SLOW_MPS:
+        for j in (S, DS, SWING, SWING_RATE):
+            f[REAR_TRAVEL, j] *= rim / wheel
     return f
 
 
@@ -160,6 +170,7 @@ def _backward(
     after_cov: Array,
     shift: Array,
     cut: Any,
+    rim: Array,
 ) -> None:
     """x_k <- x_k + G (x_k+1 - x-_k+1),  P_k <- P_k + G (P_k+1 - P-_k+1) G^T, in place.
 
@@ -171,7 +182,7 @@ def _backward(
         dt = (epoch_ns[k + 1] - epoch_ns[k]) * 1e-9
         if cut[k + 1].all():
             continue
-        f = _transition(after[k], dt, tuning)
+        f = _transition(after[k], rim[k], dt, tuning)
         # a covariance of lengths, speeds and ratios: scaled to ones on its diagonal
         scale = np.sqrt(np.maximum(np.diag(before_cov[k + 1]), 1e-18))
         scaled = before_cov[k + 1] / np.outer(scale, scale) + 1e-9 * np.eye(SIZE)
