@@ -275,7 +275,7 @@ class Drive:
 
 @dataclass(frozen=True, kw_only=True)
 class Course:
-    """Where it is driven: a straight line.
+    """Where it is driven: a straight line, or several side by side with turns between.
 
     With a plough, an approach first with the plough raised.
     """

@@ -4,7 +4,7 @@
     db = (tilting - g q) dt           q: pitch rate as the gyro has it, an input, nose down
     ds = s' dt - (s - usual) dt / tau ds' = -s' / tau + white, against that of the jerk: under load
                                       the wheels, held by the governor, keep their speed
-    slip = s + o                      o'' = -2 z w o' - w^2 o + white, w = 2 pi 2.5 Hz, z = 0.3
+    slip = s + o                      o'' = -2 z w o' - w^2 o + white, w = 2 pi swing_hz
     d rear travel  = w (1 + radius + quick radius) dt,   w = v / (1 - slip)
     d front travel = v (1 + skid + quick skid) dt
 
