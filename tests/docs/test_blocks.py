@@ -95,10 +95,6 @@ def test_every_block_runs(page: Path, tmp_path: Path) -> None:
             )
             assert ran.returncode == 0, f"{block.text}\n{ran.stderr}"
             assert "Warning" not in ran.stderr
-    recordings = [str(path) for path in tmp_path.glob("**/*.rrd")]
-    if recordings:
-        rerun = [sys.executable, "-m", "rerun", "rrd", "verify", *recordings]
-        assert subprocess.run(rerun, capture_output=True, timeout=120).returncode == 0
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name)
