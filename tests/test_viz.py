@@ -18,8 +18,8 @@ from twin.streams import Streams
 from twin.terrain.grid import GridMap
 from twin.viz import Ground, paths
 from twin.viz.blueprint import kind
-from twin.viz.events import events
-from twin.viz.ground import slices
+from twin.viz.events import drive_events, events
+from twin.viz.ground import cuts, slices
 from twin.viz.shapes import Shapes, body_poses
 
 MODEL = mujoco.MjModel.from_xml_string(MJCF)
@@ -112,6 +112,24 @@ def test_events_tell_what_happened_in_order() -> None:
     assert [e.level for e in found][:2] == ["WARN", "INFO"]
 
 
+def test_odometry_that_works_from_the_start_is_no_event() -> None:
+    epoch_ns = np.arange(4, dtype=np.int64) * 10**9
+    for used, told in (([1, 1, 1, 1], 0), ([1, 0, 1, 1], 2), ([0, 0, 1, 1], 2)):
+        camera = Streams({"camera": {"epoch_ns": epoch_ns, "used": np.array(used)}})
+        found = [e for e in events(truth_table(duration_s=2.0), camera, None) if "way" in e.text]
+        assert len(found) == told
+
+
+def test_a_drive_tells_its_notes_and_where_it_stands() -> None:
+    speed = np.repeat([0.0, 2.0, 0.05, 2.0, 0.0], [20, 10, 5, 5, 12])
+    gnss = {
+        "epoch_ns": np.arange(len(speed), dtype=np.int64) * 10**9,
+        "v_east_mps": speed, "v_north_mps": 0.0 * speed, "quality": np.full(len(speed), 4),
+    }  # fmt: skip
+    told = [(e.epoch_ns // 10**9, e.text) for e in drive_events(Streams({"gnss": gnss}), ["a gap"])]
+    assert told == [(0, "a gap"), (0, "stands for 20 s"), (20, "drives"), (40, "stands for 11 s")]
+
+
 def test_a_rock_is_told_and_ripple_is_not() -> None:
     truth = truth_table(duration_s=20.0)
     rocky = SimpleNamespace(soil=SimpleNamespace(rocks_per_100m2=2.0, rock_kn=15.0))
@@ -138,6 +156,24 @@ def test_the_ground_is_where_its_map_and_its_slope_are() -> None:
     ground = Ground(world_from_ground=turn, maps={"heights": heights})
     points = ground.surface_w(np.array([0.0, 0.0]), np.array([0.0, 1.0]))
     np.testing.assert_allclose(points, [0.5 * turn[:, 2], turn[:, 1]], atol=1e-12)
+
+
+def test_each_pass_leaves_its_furrow_for_the_next() -> None:
+    there = truth_table(duration_s=20.0)
+    back = {name: column.copy() for name, column in there.items()}
+    back["epoch_ns"] += 20 * 10**9
+    back["east_m"], back["north_m"] = there["east_m"][::-1], there["north_m"] + 1.4
+    for table in (there, back):
+        table["depth_m"][-50:] = 0.0  # raised before the turn
+    both = {name: np.concatenate([there[name], back[name]]) for name in there}
+    plough = SimpleNamespace(furrow="right", depth_m=0.25)
+    ploughed = SimpleNamespace(plough=plough, course=SimpleNamespace(approach_m=5.0))
+    side, found = cuts(both, ploughed, Ground())
+    assert side == -1
+    assert np.diff([cut.wall_m for cut in found]) == pytest.approx([1.4])
+    assert found[0].from_ns == both["epoch_ns"][0]
+    assert 18e9 < found[1].from_ns < 20e9
+    assert found[1].high_m < np.inf
 
 
 def test_slices_are_turned_towards_the_furrow_and_only_where_it_ploughs() -> None:

@@ -164,7 +164,12 @@ def _record(run: RunLike, scores: Mapping[str, Any], path: Path) -> None:
     from twin import viz
 
     viz.log(
-        path, streams=run.streams, setup=run.setup, estimates=run.estimates, reference=run.truth
+        path,
+        streams=run.streams,
+        setup=run.setup,
+        estimates=run.estimates,
+        reference=run.truth,
+        notes=scores["notes"],
     )
 
 

@@ -183,7 +183,8 @@ def _plots(
             axis_x=axis,
             background=background,
             plot_legend=rrb.PlotLegend(
-                corner=rrb.Corner2D.RightTop, visible=legends or entity in (SLIP, FIX)
+                corner=rrb.Corner2D.RightTop if entity == FIX else rrb.Corner2D.RightBottom,
+                visible=legends or entity in (SLIP, FIX),
             ),
         )
         for entity, title, _ in panels

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +17,8 @@ Array = NDArray[Any]
 
 FIXES = {4: "fixed", 5: "float", 2: "differential", 1: "single", 0: "none"}
 FIXED = 4
+STANDING_MPS, STANDING_S = 0.1, 10.0
+"""A recorded drive stands where its ground speed stays below this for so long."""
 ROCK_SHARE, ROCK_WINDOW = 0.5, 25
 """A rock is seen where draft exceeds its median over a second by half of a rock's peak."""
 
@@ -29,11 +31,9 @@ class Event(NamedTuple):
     level: str = "INFO"
 
 
-def log_events(
-    recording: rr.RecordingStream, truth: Table, streams: Streams, scenario: Any, ended: str
-) -> None:
-    """All events of a run, in order."""
-    found = sorted(events(truth, streams, scenario, ended))
+def log_events(recording: rr.RecordingStream, found: Iterable[Event]) -> None:
+    """All events of a run or a drive, in order."""
+    found = sorted(found)
     if not found:
         return
     stamps = times({"epoch_ns": np.array([e.epoch_ns for e in found], np.int64)})
@@ -61,13 +61,35 @@ def events(truth: Table, streams: Streams, scenario: Any, ended: str = "") -> It
     if "camera" in streams and "used" in streams["camera"]:
         camera = streams["camera"]
         kept = camera["epoch_ns"] >= start_ns
-        for row, used in _changes(camera["used"][kept] > 0):
+        for row, used in _changes(camera["used"][kept] > 0, before=True):
             text = "odometry finds its way again" if used else "odometry loses its way"
             level = "INFO" if used else "WARN"
             yield Event(int(camera["epoch_ns"][kept][row]), text, level)
     if ended and len(epoch_ns):
         good = ended == "course driven"
         yield Event(int(epoch_ns[-1]), ended, "INFO" if good else "ERROR")
+
+
+def drive_events(streams: Streams, notes: Sequence[str] = ()) -> Iterator[Event]:
+    """What happened in a recorded drive: what was found in reading it, fixes, where it stood."""
+    starts = [int(t["epoch_ns"][0]) for t in streams.tables.values() if len(t["epoch_ns"])]
+    yield from (Event(min(starts, default=0), note) for note in notes)
+    gnss: Table = streams.tables.get("gnss", {})
+    yield from _fixes(gnss)
+    if {"v_east_mps", "v_north_mps"} <= gnss.keys():
+        yield from _stops(gnss["epoch_ns"], np.hypot(gnss["v_east_mps"], gnss["v_north_mps"]))
+
+
+def _stops(epoch_ns: Array, speed_mps: Array) -> Iterator[Event]:
+    """Where it stands for a while, told where it begins, and where it goes on."""
+    edges = [row for row, _ in _changes(np.append(speed_mps < STANDING_MPS, False))]
+    for first, after in zip(edges[::2], edges[1::2], strict=True):
+        last = min(after, len(epoch_ns) - 1)
+        stood_s = float(epoch_ns[last] - epoch_ns[first]) * 1e-9
+        if stood_s >= STANDING_S:
+            yield Event(int(epoch_ns[first]), f"stands for {stood_s:.0f} s")
+            if after < len(epoch_ns):
+                yield Event(int(epoch_ns[after]), "drives")
 
 
 def _fixes(gnss: Table) -> Iterator[Event]:
@@ -93,8 +115,8 @@ def _rocks(truth: Table, rock_kn: float) -> Iterator[Event]:
             yield Event(int(truth["epoch_ns"][row]), f"rock: draft {peak_kn:.0f} kN", "WARN")
 
 
-def _changes(flag: Array) -> Iterator[tuple[int, bool]]:
-    """Rows where a flag changes, and to what; a flag that begins true changed in the first row."""
+def _changes(flag: Array, *, before: bool = False) -> Iterator[tuple[int, bool]]:
+    """Rows where a flag changes, and to what; in the first row, where it was otherwise `before`."""
     flag = np.asarray(flag, bool)
-    for row in np.flatnonzero(np.diff(flag, prepend=False)):
+    for row in np.flatnonzero(np.diff(flag, prepend=before)):
         yield int(row), bool(flag[row])

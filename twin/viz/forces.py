@@ -14,10 +14,11 @@ from twin.viz.tools import axes_w, position_w, times
 
 Array = NDArray[Any]
 
-LONGEST_M = 1.1
+LONGEST_M = 1.5
 """Length of the largest wheel load, as a share of the tractor's wheelbase over 2.5 m."""
-SHARE_AT_M = (-1.6, 1.0)
-"""Where the plough's draft is drawn: ahead of and above the rear axle, clear of its frame."""
+RADIUS_M = 0.045
+SHARE_AT_M = (-2.6, 1.0)
+"""Where the plough's draft is drawn: over the middle of its frame, clear of it."""
 COLOURS = {"load": [86, 180, 233], "thrust": [0, 158, 115], "draft": [213, 94, 0]}
 
 
@@ -46,6 +47,8 @@ def log_forces(recording: rr.RecordingStream, truth: Table, setup: Setup) -> Non
         side_n = truth.get("plough_side_n", np.zeros(len(share)))
         pull = -truth["draft_n"][:, None] * ahead + side_n[:, None] * left
         _send(recording, truth, "draft", share[:, None], metres_per_n * pull[:, None], scale)
+        said = [f"draft {1e-3 * draft:.0f} kN" if draft > 1.0 else "" for draft in truth["draft_n"]]
+        recording.send_columns(f"{FORCES}/draft", times(truth), rr.Arrows3D.columns(labels=said))
 
 
 def _contact_w(truth: Table, setup: Setup, wheel: str) -> Array:
@@ -78,5 +81,5 @@ def _send(
         vectors=vector.reshape(-1, 3).astype(np.float32),
     ).partition([count] * n)
     recording.send_columns(f"{FORCES}/{name}", times(truth), columns)
-    style = rr.Arrows3D.from_fields(colors=[COLOURS[name]], radii=[0.03 * scale])
+    style = rr.Arrows3D.from_fields(colors=[COLOURS[name]], radii=[RADIUS_M * scale])
     recording.log(f"{FORCES}/{name}", style, static=True)

@@ -46,27 +46,74 @@ class Ground:
         return np.asarray(local @ self.world_from_ground.T)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Cut:
+    """An open furrow: where its wall is, and from when on and over which stretch it lies there."""
+
+    from_ns: int
+    wall_m: float
+    low_m: float
+    high_m: float
+
+
 def log_ground(recording: rr.RecordingStream, truth: Table, scenario: Any, ground: Ground) -> None:
-    """A mesh of the ground about the path: fine beside it, coarse beyond; soils by colour."""
+    """A mesh of the ground about the path: fine beside it, coarse beyond; soils by colour.
+
+    With several passes it is drawn anew at the start of each, with what the one before has cut.
+    """
     place = position_w(every(truth, 1.0)) @ ground.world_from_ground
+    side, found = cuts(every(truth, 1.0), scenario, ground)
     edge_m = getattr(getattr(scenario, "course", None), "edge_m", None)
     s_m = _nodes(place[:, 0], edge_m is None, 1.0)
     t_m = _nodes(place[:, 1], edge_m is None, 0.0)
     if edge_m is not None:
         t_m = np.linspace(-edge_m, edge_m, 21)
+    elif found:  # the mesh has lines where walls stand
+        walls_m = np.array([cut.wall_m for cut in found])[:, None]
+        edges_m = walls_m + side * np.array([0.0, 0.04, FURROW_WIDTH_M, FURROW_WIDTH_M + 0.05])
+        t_m = np.unique(np.concatenate([t_m, edges_m.ravel()]))
     s, t = np.meshgrid(s_m, t_m, indexing="ij")  # (n, m)
-    lifted = -_trench_m(scenario, s, t)
-    points = ground.surface_w(s, t, lifted)  # (n, m, 3)
-    recording.log(
-        GROUND,
-        rr.Mesh3D(
-            vertex_positions=points.reshape(-1, 3).astype(np.float32),
-            triangle_indices=_triangles(len(s_m), len(t_m)),
-            vertex_normals=_normals(points).reshape(-1, 3).astype(np.float32),
-            vertex_colors=_colours(scenario, ground, s, t, lifted).reshape(-1, 3),
-        ),
-        static=True,
-    )
+    triangles = rr.Mesh3D.from_fields(triangle_indices=_triangles(len(s_m), len(t_m)))
+    recording.log(GROUND, triangles, static=True)
+    for k in range(max(1, len(found))):
+        lifted_m = _lifted_m(scenario, side, found[: k + 1], s, t)
+        points = ground.surface_w(s, t, lifted_m)  # (n, m, 3)
+        recording.send_columns(
+            GROUND,
+            times({"epoch_ns": np.array([found[k].from_ns if k else truth["epoch_ns"][0]])}),
+            rr.Mesh3D.columns(
+                vertex_positions=points.reshape(-1, 3).astype(np.float32),
+                vertex_normals=_normals(points).reshape(-1, 3).astype(np.float32),
+                vertex_colors=_colours(scenario, ground, s, t, lifted_m).reshape(-1, 3),
+            ).partition([s.size]),
+        )
+
+
+def cuts(moments: Table, scenario: Any, ground: Ground) -> tuple[int, list[Cut]]:
+    """The furrow beside each pass: the one that was there, then what each pass left for the next.
+
+    Returns:
+        side: of the line on which the first furrow lies, 1 left and -1 right; 0 without one.
+        cuts: in the order of the passes.
+    """
+    plough = getattr(scenario, "plough", None)
+    side = FURROW_SIDES.get(getattr(plough, "furrow", "none"), 0)
+    if plough is None or side == 0:
+        return 0, []
+    local = position_w(moments) @ ground.world_from_ground
+    deep = moments.get("depth_m", np.zeros(len(local))) > SHALLOWEST_M
+    edges = np.flatnonzero(np.diff(deep.astype(int), prepend=0, append=0))  # in, out, in, out, ...
+    start_ns, low_m, high_m = int(moments["epoch_ns"][0]), scenario.course.approach_m - 2.0, np.inf
+    found = []
+    for first, last in zip(edges[::2], edges[1::2], strict=True):
+        s_m, t_m = local[first:last, 0], float(np.median(local[first:last, 1]))
+        wall_m = t_m + side * FURROW_AT_M
+        found.append(Cut(from_ns=start_ns, wall_m=wall_m, low_m=low_m, high_m=high_m))
+        start_ns = int(moments["epoch_ns"][last - 1])
+        low_m, high_m = float(s_m.min()) + SHARES_M[0], float(s_m.max()) - SHARES_M[0]
+    if not found:  # the plough never came down
+        found = [Cut(from_ns=start_ns, wall_m=side * FURROW_AT_M, low_m=low_m, high_m=high_m)]
+    return side, found
 
 
 def log_furrow(recording: rr.RecordingStream, truth: Table, scenario: Any, ground: Ground) -> None:
@@ -108,7 +155,7 @@ def slices(moments: Table, scenario: Any, ground: Ground) -> tuple[Array, Array,
     t = place[:, 1:2] + np.sin(yaw)[:, None] * ahead_m + np.cos(yaw)[:, None] * aside_m
     reach_m = 0.6 * np.abs(moments["speed_mps"][rows]) / STRIPS_HZ + 0.05
     half_m = np.empty((len(rows), BODIES, 3))
-    half_m[:] = np.array([0.0, 0.19, 0.07])
+    half_m[:] = np.array([0.0, 0.215, 0.07])
     half_m[..., 0] = reach_m[:, None]
     if not len(rows):
         return rows, np.empty((0, BODIES, 3)), half_m, np.empty((0, BODIES, 4))
@@ -134,23 +181,21 @@ def _nodes(places: Array, field_beyond: bool, margin_m: float) -> Array:
     near = np.arange(low - FINE_M, high + FINE_M, cell)
     below = np.arange(near[0] - FAR_M, near[0] - 0.1, FAR_CELL_M)
     above = np.arange(near[-1] + FAR_CELL_M, near[-1] + FAR_M, FAR_CELL_M)
-    edges = np.concatenate([s * (FURROW_AT_M + np.array([0.0, 0.04, 0.5])) for s in (-1.0, 1.0)])
-    inner = edges[(edges > near[0]) & (edges < near[-1])] if high - low < 20.0 else []
-    return np.unique(np.concatenate([below, near, inner, above]))
+    return np.concatenate([below, near, above])
 
 
-def _trench_m(scenario: Any, s: Array, t: Array) -> Array:
-    """Depth of the furrow that the last pass left, where the wheels of one side run."""
-    plough = getattr(scenario, "plough", None)
-    side = FURROW_SIDES.get(getattr(plough, "furrow", "none"), 0)
-    if plough is None or side == 0:
-        return np.zeros_like(s)
-    start_m = scenario.course.approach_m - 2.0
-    along = np.clip((s - start_m) / 3.0, 0.0, 1.0)
-    inside = (side * t > FURROW_AT_M) & (side * t < FURROW_AT_M + FURROW_WIDTH_M + 0.05)
-    beyond = (side * t > FURROW_AT_M + FURROW_WIDTH_M + 0.05) & (side * t < FURROW_AT_M + 6.0)
+def _lifted_m(scenario: Any, side: int, found: list[Cut], s: Array, t: Array) -> Array:
+    """Height of the ground above the field as it was: open furrow, and ridges of turned soil."""
     ridges = 0.05 * np.sin(2.0 * np.pi * t / BODY_WIDTH_M) + 0.03 * np.sin(3.1 * s + 5.0 * t)
-    return np.asarray(along * (inside * plough.depth_m - beyond * ridges))
+    lifted = np.zeros_like(s)
+    for cut in found:
+        along = np.clip((s - cut.low_m) / 3.0, 0.0, 1.0) * np.clip((cut.high_m - s) / 3.0, 0.0, 1.0)
+        aside = side * (t - cut.wall_m)
+        open_ = (aside > 1e-6) & (aside < FURROW_WIDTH_M + 0.05)
+        turned = (aside >= FURROW_WIDTH_M + 0.05 - 1e-6) & (aside < 6.0)
+        cut_m = open_ * -scenario.plough.depth_m + turned * (ridges + 0.03)
+        lifted += along * (open_ | turned) * (cut_m - lifted)
+    return np.asarray(lifted)
 
 
 def _colours(scenario: Any, ground: Ground, s: Array, t: Array, lifted: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from twin.runfolder import RunLike
 from twin.streams import Setup, Streams, Table
 from twin.viz import forces, plots, scene, tracks
 from twin.viz.blueprint import logged, simulated
-from twin.viz.events import log_events
+from twin.viz.events import drive_events, events, log_events
 from twin.viz.ground import Ground, log_furrow, log_ground
 from twin.viz.paths import APPLICATION, WORLD
 from twin.viz.pictures import log_frames
@@ -59,7 +59,7 @@ def record(
             scene.log_machine(recording, moments, model)
         if frames:
             log_frames(recording, streams, frames)
-        log_events(recording, truth, streams, scenario, getattr(run, "ended", ""))
+        log_events(recording, events(truth, streams, scenario, getattr(run, "ended", "")))
         _plot(recording, streams, run.setup, run.estimates, truth)
 
 
@@ -70,8 +70,16 @@ def log(
     setup: Setup,
     estimates: Mapping[str, Table],
     reference: Table | None = None,
+    notes: Sequence[str] = (),
 ) -> None:
-    """Write the estimates of a recorded drive, on a map where its set-up has an origin."""
+    """Write the estimates of a recorded drive, on a map where its set-up has an origin.
+
+    Args:
+        path: the .rrd file.
+        streams, setup, estimates: of the drive.
+        reference: what is known of the truth.
+        notes: what was found in reading it, told among the events.
+    """
     placed = "gnss" in streams and "east_m" in streams["gnss"]
     geodetic = setup.origin is not None and placed
     spans = [t for t in (*estimates.values(), *streams.tables.values()) if len(t["epoch_ns"])]
@@ -81,7 +89,7 @@ def log(
         tracks.log_gnss(recording, streams)
         if geodetic:
             tracks.log_map(recording, streams, setup)
-        log_events(recording, reference or {}, streams, None, "")
+        log_events(recording, drive_events(streams, notes))
         _plot(recording, streams, setup, estimates, reference or {})
 
 

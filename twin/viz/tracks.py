@@ -128,7 +128,7 @@ def log_map(recording: rr.RecordingStream, streams: Streams, setup: Setup) -> No
     line = np.stack([latitude_deg, longitude_deg], axis=1)
     known = np.isfinite(line).all(axis=1)
     strip = rr.GeoLineStrings(
-        lat_lon=[line[known]], colors=[rgba(SEA)], radii=[rr.Radius.ui_points(2.0)]
+        lat_lon=[line[known]], colors=[rgba(SEA)], radii=[rr.Radius.ui_points(1.2)]
     )
     recording.log(MAP, strip, static=True)
     here = times({"epoch_ns": fixes["epoch_ns"][known]})
