@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
 
 from twin.machine.build import build
-from twin.palette import TRUTH_COLOUR, colours
+from twin.palette import FIGURE, TRUTH_COLOUR, colours
 from twin.registry import load
 from twin.run import Run, run
 from twin.scores import seconds
@@ -34,10 +34,8 @@ AT_M = 40.0
 SOIL_RGBA, LAND_RGB = (0.36, 0.26, 0.18, 1.0), (0.66, 0.57, 0.44)
 SKY_RGB = ((120, 170, 220), (232, 240, 246))
 FAR_M, PLOUGHED_M = 300.0, 6.0
-LINE: dict[str, Any] = {
+LINE: Any = FIGURE | {
     "svg.fonttype": "none", "svg.hashsalt": "", "font.family": "sans-serif", "font.size": 10.0,
-    "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True,
-    "grid.color": "#e4e4e4", "legend.frameon": False,
 }  # fmt: skip
 
 

@@ -140,7 +140,7 @@ def truth_table(*, duration_s: float = 20.0, rate_hz: float = 50.0) -> Table:
         "depth_m": 0.25 * down,
         **{f"load_{wheel}_n": np.full_like(t, 13000.0) for wheel in WHEELS},
         **{f"shear_{wheel}_n": 4500.0 * down for wheel in WHEELS},
-        "power_engine_w": 60e3 * down, "power_drawbar_w": -27e3 * down,
+        "power_engine_w": 60e3 * down, "power_drawbar_w": 27e3 * down,
         "joint_rl_spin_rad": 1.5 * t / 0.8, "joint_rr_spin_rad": 1.5 * t / 0.8,
         "joint_lift_rad": 0.1 * (1.0 - down),
         "ploughing": down >= 1.0,

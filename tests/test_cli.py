@@ -61,7 +61,7 @@ def stub(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Any]:
 
     monkeypatch.setattr(registry, "load", load)
     monkeypatch.setitem(sys.modules, "twin.run", SimpleNamespace(run=drive))
-    monkeypatch.setattr(run_command, "_pictures", dict)
+    monkeypatch.setattr(run_command, "_pictures", lambda command: {})
     monkeypatch.chdir(tmp_path)
     return driven
 
@@ -201,7 +201,7 @@ def test_a_run_folder_is_a_log_with_its_truth(
             return None, {"epoch_ns": epoch_ns, "slip": 0.0 * epoch_ns}
 
     monkeypatch.setattr(registry, "load", lambda kind, name: Still())
-    monkeypatch.setattr(estimate, "_pictures", dict)
+    monkeypatch.setattr(estimate, "_pictures", lambda command: {})
     truth = synthetic_run(duration_s=12.0)
     from twin import runfolder
 

@@ -13,7 +13,7 @@ import pytest
 from synthetic_run import synthetic_run
 
 from twin import report, scores
-from twin.report import figures
+from twin.report import errors, figures
 from twin.report.page import flat, page
 from twin.report.rows import place_of, write_checks, write_intervals
 from twin.rows import row
@@ -72,10 +72,36 @@ def test_a_dot_is_in_the_grey_just_where_its_row_passes(
 
 def test_power_that_goes_adds_up_in_its_figure() -> None:
     n = len(RUN.truth["epoch_ns"])  # type: ignore[index]
-    parts = {"engine": 60e3, "drawbar": -36e3, "slip_long": -24e3}
+    parts = {"engine": 60e3, "drawbar": 36e3, "slip_long": 24e3}
     truth = {**(RUN.truth or {}), **{f"power_{k}_w": np.full(n, v) for k, v in parts.items()}}
     drawn = figures.power(truth, (6.0, 20.0))
     assert all(text in drawn for text in ("36.0 kW, 60%", "24.0 kW, 40%", "of 60.0 kW"))
+    falling = {**truth, "potential_j": -15e3 * (truth["epoch_ns"] * 1e-9)}
+    drawn = figures.power(falling, (6.0, 20.0))
+    assert "of 75.0 kW: engine 60.0, height and speed lost 15.0" in drawn
+    assert "36.0 kW, 48%" in drawn
+
+
+def test_bounds_are_lines_among_the_errors() -> None:
+    given = (RUN.truth, RUN.estimates, (6.0, 20.0))
+    bound = {"slip_causal": 0.002, "slip_offline": 0.001, "sideslip_causal_rad": 0.003}
+    assert all(f"bound, {w}" in errors.slip_error(*given, bound) for w in ("causal", "offline"))  # type: ignore[arg-type]
+    angle = errors.angle_error(*given, bound)  # type: ignore[arg-type]
+    assert "bound, causal" in angle
+    assert "bound, offline" not in angle
+    assert "bound" not in errors.slip_error(*given, {})  # type: ignore[arg-type]
+
+
+def test_errors_in_blocks_are_those_of_the_scores() -> None:
+    assert RUN.truth is not None
+    table, window = RUN.estimates["ekf4"], (6.0, 16.0)
+    error = errors.error_of(RUN.truth, table, "slip")
+    assert error is not None
+    _, means = errors.block_means(table, error**2, window)
+    table_of = scores.score(RUN.truth, RUN.estimates, scenario="stub", seed=1, window=window)
+    assert np.sqrt(np.mean(means)) == pytest.approx(
+        table_of["estimators"]["ekf4"]["slip"]["rmse"], rel=0.02
+    )
 
 
 class _Balance(HTMLParser):
@@ -115,12 +141,14 @@ def test_all_figures_are_there_and_are_whole() -> None:
     titles = [ElementTree.fromstring(f).attrib["aria-label"] for f in figures]
     assert titles == [
         "Slip of the driven axle over time",
+        "RMS of the slip error over time",
         "Distribution of the slip error",
         "Sideslip at the centre of gravity over time",
+        "RMS of the error of the sideslip angle over time",
         "Path, east and north",
         "Draft and depth of ploughing over time",
         "Speeds over time",
-        "Where the engine's power goes",
+        "Where power goes",
         "Squared slip error over reported variance",
     ]
 

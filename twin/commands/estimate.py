@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -61,7 +63,9 @@ def main(args: Sequence[str]) -> int:
     log, steady = _prepared(logs.read(options.log, options.map))
     record = estimated(log, estimators, reference=_reference(log, options.log))
     table = findings(record, options.log.stem, log, steady)
-    runfolder.write(record, table, directory, pictures=_pictures())
+    runfolder.write(
+        record, table, directory, pictures=_pictures(f"twin estimate {shlex.join(args)}")
+    )
     _say(table, directory, options)
     if options.view:
         from twin import viz
@@ -154,10 +158,10 @@ def _reference(log: Log, path: Path) -> Table | None:
     return log.reference
 
 
-def _pictures() -> Mapping[str, Any]:
+def _pictures(command: str) -> Mapping[str, Any]:
     from twin import report
 
-    return {"report.html": report.write, "run.rrd": _record}
+    return {"report.html": partial(report.write, command=command), "run.rrd": _record}
 
 
 def _record(run: RunLike, scores: Mapping[str, Any], path: Path) -> None:

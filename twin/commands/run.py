@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -48,7 +50,7 @@ def main(args: Sequence[str]) -> int:
     default = registry.load("scenario", name)
     options = parse(_with_overrides(default), rest, prog=f"twin run {name}")
     scenario: Any = options.scenario  # type: ignore[attr-defined]
-    directory = execute(scenario, options)
+    directory = execute(scenario, options, f"twin run {shlex.join(args)}")
     if options.view:
         from twin import viz
 
@@ -56,8 +58,8 @@ def main(args: Sequence[str]) -> int:
     return 0
 
 
-def execute(scenario: Any, options: Options) -> Path:
-    """Run one scenario and write its folder; returns the folder."""
+def execute(scenario: Any, options: Options, command: str = "") -> Path:
+    """Run one scenario and write its folder, whose report says the command; returns the folder."""
     from twin import runfolder, scores
 
     directory = options.out or runfolder.default_directory(scenario.name, scenario.seed)
@@ -78,7 +80,7 @@ def execute(scenario: Any, options: Options) -> Path:
     table["bound"] = limits(result.setup, result.streams, result.truth, window)
     table["ended"] = result.ended
     table["notes"] = list(result.notes)
-    runfolder.write(result, table, directory, pictures=_pictures())
+    runfolder.write(result, table, directory, pictures=_pictures(command))
     _say(result, table, directory, options)
     return directory
 
@@ -139,11 +141,11 @@ def _with_overrides(default: Any) -> type[Options]:
     )
 
 
-def _pictures() -> Mapping[str, Any]:
+def _pictures(command: str) -> Mapping[str, Any]:
     from twin import report
     from twin.commands.pictures import record
 
-    return {"report.html": report.write, "run.rrd": record}
+    return {"report.html": partial(report.write, command=command), "run.rrd": record}
 
 
 def _say(result: Run, table: Mapping[str, Any], directory: Path, options: Options) -> None:

@@ -8,25 +8,36 @@ from pathlib import Path
 from typing import Any
 
 from twin.plain import to_plain
-from twin.report import figures
+from twin.report import errors, figures
 from twin.report.html import document, made_with, table
 from twin.report.html import figures as figures_of
 from twin.runfolder import RunLike
 from twin.table import HEADERS, score_rows, slip_lines
 
+SLIP_OVER_TIME = (
+    "Black: truth. Bands: ±2 reported standard deviations; about the truth, ±2 of the causal "
+    "bound. Light grey: what is scored."
+)
+ERROR_OVER_TIME = (
+    "Means over stretches of time. The bounds are what sensors and motion allow, with what has "
+    "arrived (causal) or with everything (offline); a bias comes on top."
+)
+HONESTY = "Above 1 an estimator promises too much, below it too little."
 
-def write(run: RunLike, scores: Mapping[str, Any], path: Path) -> None:
+
+def write(run: RunLike, scores: Mapping[str, Any], path: Path, command: str = "") -> None:
     """Write the report of a run.
 
     Args:
         run: the run.
         scores: as made by `twin.scores.score`.
         path: the .html file.
+        command: what does it again; made of name and seed where none is given.
     """
-    path.write_text(page(run, scores), encoding="utf-8")
+    path.write_text(page(run, scores, command), encoding="utf-8")
 
 
-def page(run: RunLike, scores: Mapping[str, Any]) -> str:
+def page(run: RunLike, scores: Mapping[str, Any], command: str = "") -> str:
     """The whole page as HTML text."""
     name = str(scores.get("scenario") or "log")
     seed = scores.get("seed")
@@ -38,7 +49,7 @@ def page(run: RunLike, scores: Mapping[str, Any]) -> str:
         _found(scores),
         figures_of(_figures(run, scores)),
         _parameters(run.scenario),
-        _again(name, seed, run.scenario),
+        _again(name, seed, run.scenario, command),
     ]
     return document(title, parts)
 
@@ -91,22 +102,22 @@ def _found(scores: Mapping[str, Any]) -> str:
 
 def _figures(run: RunLike, scores: Mapping[str, Any]) -> Iterable[tuple[str, str, str]]:
     window = tuple(scores["window_s"]) if scores.get("window_s") else None
-    truth, estimates = run.truth, run.estimates
-    scored = truth is not None and window is not None and "slip" in truth
-    return (
-        ("Slip", figures.slip(truth, estimates, window),
-         "Black: truth. Bands: ±2 reported standard deviations. Grey: what is scored."),
-        ("Slip error", figures.histogram(truth, estimates, window)  # type: ignore[arg-type]
-         if scored else "", "Within the scored window."),
-        ("Sideslip", figures.sideslip(truth, estimates),
-         "Amount at the centre of gravity, to the left positive."),
-        ("Path", figures.path(truth, run.streams), "East and north differ in scale."),
-        ("Draft and depth", figures.draft(truth), ""),
-        ("Speeds", figures.speeds(truth, estimates), "At the rear-axle centre."),
-        ("Power", figures.power(truth, window), "Means within the scored window."),
-        ("Honesty", figures.nees(truth, estimates, window),
-         "Above 1 an estimator promises too much, below it too little."),
-    )  # fmt: skip
+    truth, estimates, bound = run.truth, run.estimates, scores.get("bound") or {}
+    caption = SLIP_OVER_TIME if truth is not None else "Bands: ±2 reported standard deviations."
+    yield "Slip", figures.slip(truth, estimates, window, bound), caption
+    if truth is not None and window is not None:
+        given: Any = (truth, estimates, window, bound)
+        yield "Slip error", errors.slip_error(*given), ERROR_OVER_TIME
+        yield "Distribution of the slip error", errors.histogram(*given), "In the scored window."
+    yield "Sideslip", figures.sideslip(truth, estimates), "At the centre of gravity; + is left."
+    if truth is not None and window is not None:
+        yield "Sideslip angle error", errors.angle_error(*given), ERROR_OVER_TIME
+    yield "Path", figures.path(truth, run.streams), "East and north differ in scale."
+    yield "Draft and depth", figures.draft(truth), ""
+    yield "Speeds", figures.speeds(truth, estimates), "At the rear-axle centre."
+    yield "Power", figures.power(truth, window), "Means within the scored window."
+    if truth is not None and window is not None:
+        yield "Honesty", errors.nees(truth, estimates, window), HONESTY
 
 
 def _parameters(scenario: Any) -> str:
@@ -128,8 +139,8 @@ def flat(value: Any, prefix: str = "") -> list[tuple[str, str]]:
     return [(prefix, f"{value:g}" if isinstance(value, float) else str(value))]
 
 
-def _again(name: str, seed: int | None, scenario: Any) -> str:
-    if scenario is None:
-        return made_with()
+def _again(name: str, seed: int | None, scenario: Any, command: str) -> str:
+    if command or scenario is None:
+        return made_with(command)
     command = f"twin run {name}" + ("" if seed is None else f" --seed {seed}")
     return made_with(command, "Overrides, if any, are in scenario.json beside this page.")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from twin.report.figures import svg
+from twin.report.draw import svg
 from twin.report.html import document, figures, made_with, table
 
 Rows = Sequence[Mapping[str, Any]]

@@ -12,7 +12,7 @@ from scenarios.ima_pkf import Trial, simulate
 from scenarios.ima_pkf_signals import SETUP, streams
 from twin.palette import TRUTH_COLOUR, colours
 from twin.registry import load
-from twin.report.figures import svg
+from twin.report.draw import svg
 from twin.reproduce.ima_pkf_methods import ADAPTIVE
 
 METHODS = {"KF": "kf-z2", **ADAPTIVE}

@@ -9,7 +9,7 @@ from typing import Any
 
 from scenarios.ima_pkf import Trial
 from twin.registry import load
-from twin.report.figures import thinned
+from twin.report.draw import thinned
 from twin.reproduce import ima_pkf_figures as figures
 from twin.reproduce.ima_pkf import FIRST_SEED
 from twin.reproduce.ima_pkf_field import DEPTHS_CM, ESTIMATORS

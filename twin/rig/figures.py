@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -12,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from twin.palette import SEA, TRUTH_COLOUR, colours
+from twin.palette import PICTURE, SEA, TRUTH_COLOUR, colours
 from twin.rig.drawbar import DrawbarCurve
 from twin.rig.park import Creep
 from twin.rig.slope import CrabAngles
@@ -20,27 +19,13 @@ from twin.rig.wheel import Free, WheelCurve
 
 Array = NDArray[np.float64]
 
-STYLE: Any = {
-    "font.size": 9.0,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.edgecolor": "#666",
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.titlesize": 9.5,
-    "axes.titlelocation": "left",
-    "grid.color": "#e4e4e4",
-    "grid.linewidth": 0.6,
-    "legend.frameon": False,
-}
-DPI = 130
 GRADED = ("-", "--", ":", "-.")
 """Line styles of the loads."""
 
 
 def wheel(curve: WheelCurve, towed: Free, title: str, path: Path) -> None:
     """Gross and net traction, resistance, efficiency and side force against slip."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PICTURE):
         figure = Figure(figsize=(9.6, 6.4), layout="constrained")
         axes = figure.subplots(2, 2).ravel()
         figure.suptitle(title, x=0.01, ha="left", fontsize=10.5)
@@ -49,7 +34,7 @@ def wheel(curve: WheelCurve, towed: Free, title: str, path: Path) -> None:
         _efficiency(axes[1], straight)
         _resistance(axes[2], straight, towed)
         _side(axes[3], curve)
-        figure.savefig(path, dpi=DPI)
+        figure.savefig(path)
 
 
 def _traction(axes: Axes, curve: WheelCurve) -> None:
@@ -108,7 +93,7 @@ def _side(axes: Axes, curve: WheelCurve) -> None:
 
 def drawbar(curve: DrawbarCurve, slips: Array, expected_n: Array, title: str, path: Path) -> None:
     """Pull, axle loads and drawbar power against slip."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PICTURE):
         figure = Figure(figsize=(9.6, 3.4), layout="constrained")
         left, right = figure.subplots(1, 2)
         figure.suptitle(title, x=0.01, ha="left", fontsize=10.5)
@@ -127,12 +112,12 @@ def drawbar(curve: DrawbarCurve, slips: Array, expected_n: Array, title: str, pa
         right.plot(slip, power, color=palette["power"], label="drawbar power [kW]")
         right.set(title="loads and power", xlabel="slip of the rear axle [%]", ylim=(0.0, None))
         right.legend()
-        figure.savefig(path, dpi=DPI)
+        figure.savefig(path)
 
 
 def slope(seen: CrabAngles, expected: CrabAngles, title: str, path: Path) -> None:
     """Crab angle, steering and slip against cross slope."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PICTURE):
         figure = Figure(figsize=(9.6, 3.4), layout="constrained")
         left, right = figure.subplots(1, 2)
         figure.suptitle(title, x=0.01, ha="left", fontsize=10.5)
@@ -144,7 +129,7 @@ def slope(seen: CrabAngles, expected: CrabAngles, title: str, path: Path) -> Non
         _both(right, seen, expected, "slip", palette["slip"], "slip of the rear axle")
         right.set(title="slip [%]", xlabel="cross slope [°]")
         right.legend()
-        figure.savefig(path, dpi=DPI)
+        figure.savefig(path)
 
 
 def _both(
@@ -160,7 +145,7 @@ def _both(
 
 def park(creep: Creep, title: str, path: Path) -> None:
     """How far the parked tractor went, slope by slope."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PICTURE):
         figure = Figure(figsize=(6.4, 3.4), layout="constrained")
         axes = figure.subplots()
         figure.suptitle(title, x=0.01, ha="left", fontsize=10.5)
@@ -173,7 +158,7 @@ def park(creep: Creep, title: str, path: Path) -> None:
         axes.set(title="creep [mm]", yscale="log")
         axes.tick_params(axis="x", rotation=30)
         axes.legend()
-        figure.savefig(path, dpi=DPI)
+        figure.savefig(path)
 
 
 def _smallest_angle(curve: WheelCurve) -> float:

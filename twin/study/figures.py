@@ -11,23 +11,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from twin.palette import colours
+from twin.palette import PICTURE, colours
 from twin.study.summary import Group, mean
 
-STYLE: Any = {
-    "font.size": 9.0,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.edgecolor": "#666",
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.titlesize": 9.5,
-    "axes.titlelocation": "left",
-    "grid.color": "#e4e4e4",
-    "grid.linewidth": 0.6,
-    "legend.frameon": False,
-}
-DPI = 130
 SPREAD = 0.7
 """Share of a setting's place that its estimators stand side by side in."""
 MARKS = "os^D"
@@ -53,11 +39,11 @@ def draw(groups: Sequence[Group], quantity: str, path: Path, *, label: str) -> b
     if not shown:
         return False
     looks = _looks(groups)
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PICTURE):
         figure = (_over_numbers if _numeric(shown) else _by_setting)(shown, quantity, label, looks)
         handles, names = figure.axes[0].get_legend_handles_labels()
         figure.legend(handles, names, loc="outside lower center", ncols=min(len(names), 5))
-        figure.savefig(path, dpi=DPI)
+        figure.savefig(path)
     return True
 
 
