@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from twin.errors import BadInput
+from twin.written import write_text
 
 REQUIRED = ("case", "quantity", "ours")
 OPTIONAL = ("published", "reference", "low", "high", "unit", "passed")
@@ -46,11 +47,7 @@ def to_json(rows: Iterable[Mapping[str, Any]]) -> str:
 
 def write(rows: Iterable[Mapping[str, Any]], path: Path) -> None:
     """Write rows to a JSON file. Raises BadInput as `to_json`, or when the file cannot be made."""
-    text = to_json(rows)
-    try:
-        path.write_text(text + "\n")
-    except OSError as error:
-        raise BadInput(f"{path} cannot be written: {error.strerror}") from None
+    write_text(path, to_json(rows) + "\n")
 
 
 def _checked(number: int, row: Mapping[str, Any]) -> dict[str, Any]:

@@ -4,36 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-from twin import rows
+from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
-from twin.commands.terminal import console
-from twin.errors import BadInput
+from twin.commands.terminal import console, waiting
 
 COLUMNS = ("published", "reference", "low", "high", "unit", "passed")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bench:
+class Bench(Output):
     """Measure speed and memory on this machine, beside the values promised."""
-
-    json: Path | None = None
-    """File for the rows."""
 
 
 def main(args: Sequence[str]) -> int:
     """Measure, print, and write the rows where asked."""
     options = parse(Bench, args, prog="twin bench")
-    if options.json is not None and not options.json.parent.is_dir():
-        raise BadInput(f"--json {options.json}: there is no directory {options.json.parent}")
+    check_files(json=options.json)
     from twin import bench
 
-    measured = bench.rows()
-    print_rows(measured)
-    if options.json is not None:
-        rows.write(measured, options.json)
+    with waiting("measuring", shown=options.talks):
+        measured = bench.rows()
+    if options.talks:
+        print_rows(measured)
+    deliver(measured, options.json)
     return 0
 
 

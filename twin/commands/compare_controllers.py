@@ -9,16 +9,16 @@ from typing import Annotated, Any
 
 import tyro
 
-from twin import rows as rows_file
+from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
 from twin.commands.terminal import console, progress
-from twin.errors import BadInput, UnknownName, check_range
+from twin.errors import UnknownName, check_range
 
 OBSERVATIONS = ("estimate", "truth")
 
 
 @dataclass(frozen=True, kw_only=True)
-class CompareControllers:
+class CompareControllers(Output):
     """Drive the baselines and any saved policy over the same held-out grounds."""
 
     env: str = "Plough-v0"
@@ -31,8 +31,6 @@ class CompareControllers:
     """Length of an episode; what is judged begins 5 s after its start."""
     observation: str = "estimate"
     """What the controllers see: estimate or truth."""
-    json: Path | None = None
-    """File for the rows."""
     report: Path | None = None
     """File for an HTML page: means with intervals, as table and figures."""
 
@@ -44,9 +42,7 @@ def main(args: Sequence[str]) -> int:
     check_range("duration_s", options.duration_s, 6.0, 600.0)
     if options.observation not in OBSERVATIONS:
         raise UnknownName("observation", options.observation, OBSERVATIONS)
-    for name, path in (("--json", options.json), ("--report", options.report)):
-        if path is not None and not path.parent.is_dir():
-            raise BadInput(f"{name} {path}: there is no directory {path.parent}")
+    check_files(json=options.json, report=options.report)
     from twin.control import compare, policy, trials
     from twin.control.controllers import Controller
 
@@ -55,7 +51,7 @@ def main(args: Sequence[str]) -> int:
     controllers: dict[str, Controller] = dict(trials.ENVIRONMENTS[options.env][1])
     for file in options.policy:
         controllers[file.stem] = policy.load(file, options.env)
-    with progress("comparing", shown=True) as told:
+    with progress("comparing", shown=options.talks) as told:
         measured = compare.compare(
             controllers,
             options.episodes,
@@ -65,9 +61,9 @@ def main(args: Sequence[str]) -> int:
             options.env,
         )
     found = compare.rows(measured)
-    print_comparison(found, list(controllers), options.episodes)
-    if options.json is not None:
-        rows_file.write(found, options.json)
+    if options.talks:
+        print_comparison(found, list(controllers), options.episodes)
+    deliver(found, options.json)
     if options.report is not None:
         _report(found, options)
     return 0
@@ -77,12 +73,12 @@ def _report(found: Sequence[Mapping[str, Any]], options: CompareControllers) -> 
     from twin.report import rows
 
     about = (
-        f"Plough-v0, {options.episodes} held-out grounds of {options.duration_s:g} s, the same for "
-        f"all; controllers see the {options.observation}. Means and their 95 % intervals."
+        f"{options.env}, {options.episodes} held-out grounds of {options.duration_s:g} s, the same "
+        f"for all; controllers see the {options.observation}. Means and their 95 % intervals."
     )
     policies = "".join(f" --policy {file}" for file in options.policy)
     command = (
-        f"twin compare-controllers --episodes {options.episodes} --duration-s "
+        f"twin compare-controllers --env {options.env} --episodes {options.episodes} --duration-s "
         f"{options.duration_s:g} --observation {options.observation}{policies}"
     )
     assert options.report is not None

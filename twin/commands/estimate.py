@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -15,7 +15,7 @@ import tyro
 
 from twin.commands.parse import parse
 from twin.commands.run import DEFAULT_ESTIMATORS, load_estimators
-from twin.commands.terminal import Stopwatch, console, print_scores
+from twin.commands.terminal import Stopwatch, console, counting, print_scores
 from twin.errors import BadInput
 from twin.table import slip_lines
 
@@ -61,7 +61,9 @@ def main(args: Sequence[str]) -> int:
     runfolder.refuse_foreign(directory)
     estimators = load_estimators(options.estimators)
     log, steady = _prepared(logs.read(options.log, options.map))
-    record = estimated(log, estimators, reference=_reference(log, options.log))
+    shown = not (options.quiet or options.json)
+    with counting("estimating", "estimators", shown=shown) as told:
+        record = estimated(log, estimators, reference=_reference(log, options.log), told=told)
     table = findings(record, options.log.stem, log, steady)
     runfolder.write(
         record, table, directory, pictures=_pictures(f"twin estimate {shlex.join(args)}")
@@ -74,13 +76,20 @@ def main(args: Sequence[str]) -> int:
     return 0
 
 
-def estimated(log: Log, estimators: Mapping[str, Any], *, reference: Table | None = None) -> Record:
+def estimated(
+    log: Log,
+    estimators: Mapping[str, Any],
+    *,
+    reference: Table | None = None,
+    told: Callable[[int, int], None] = lambda done, total: None,
+) -> Record:
     """The estimates of every estimator over the whole log."""
     from twin.runfolder import Record
 
     watch = Stopwatch()
     estimates = {}
-    for name, estimator in estimators.items():
+    for done, (name, estimator) in enumerate(estimators.items()):
+        told(done, len(estimators))
         _, estimates[name] = estimator.run(estimator.init(log.setup), log.streams)
     return Record(
         setup=log.setup,

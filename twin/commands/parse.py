@@ -10,6 +10,7 @@ from typing import TypeVar
 
 import tyro
 
+from twin.commands.output import STDOUT, Output
 from twin.errors import BadInput
 
 T = TypeVar("T")
@@ -49,11 +50,21 @@ def parse(kind: type[T], args: Sequence[str], *, prog: str) -> T:
     boxes = io.StringIO()
     try:
         with contextlib.redirect_stderr(boxes):
-            return tyro.cli(kind, args=list(args), prog=prog, config=_CONFIG)
+            return tyro.cli(kind, args=_with_stdout(kind, args), prog=prog, config=_CONFIG)
     except SystemExit as end:
         if not end.code:
             raise
         raise BadInput(one_line(boxes.getvalue())) from None
+
+
+def _with_stdout(kind: type, args: Sequence[str]) -> list[str]:
+    """Arguments with `-` after a `--json` that may name a file and does not."""
+    given = list(args)
+    if issubclass(kind, Output) and "--json" in given:
+        after = given.index("--json") + 1
+        if after == len(given) or given[after].startswith("--"):
+            given.insert(after, str(STDOUT))
+    return given
 
 
 def one_line(boxes: str) -> str:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from twin.commands.measured import Measured, Talk, print_columns
 from twin.commands.parse import parse
-from twin.commands.terminal import console
+from twin.commands.terminal import console, waiting
 from twin.errors import BadInput, UnknownName, check_range
 from twin.rig.drawbar import HITCH_M, RAMP_NPS
 from twin.rig.park import PARKED_S
@@ -29,7 +29,7 @@ COMPARED = (0.05, 0.10, 0.15, 0.20, 0.25, 0.30)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wheel:
+class Wheel(Talk):
     """One wheel at imposed slip, slip angle and load: every load at every angle and slip.
 
     A smooth rigid wheel under Bekker's law, with slip 1 - v / (w R):
@@ -55,7 +55,7 @@ class Wheel:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Drawbar:
+class Drawbar(Talk):
     """The tractor pulls a load that grows slowly, beside the wheel rig and weight transfer."""
 
     soil: Soil = dataclasses.field(default_factory=Soil)
@@ -70,7 +70,7 @@ class Drawbar:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Slope:
+class Slope(Talk):
     """The tractor holds a line across slopes: its crab angle, beside the closed form."""
 
     soil: Soil = dataclasses.field(default_factory=Soil)
@@ -81,7 +81,7 @@ class Slope:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Park:
+class Park(Talk):
     """The tractor parked on slopes, brakes on: how far it creeps."""
 
     soil: Soil = dataclasses.field(default_factory=Soil)
@@ -108,13 +108,20 @@ def main(args: Sequence[str]) -> int:
     kind, run = RIGS[args[0]]
     options = parse(kind, args[1:], prog=f"twin rig {args[0]}")
     _check_folder(options.out)
-    with console(stderr=True).status(f"{args[0]} rig"):
-        files = run(options)
-    console().print(", ".join(str(f) for f in files), highlight=False)
+    talks = not (options.quiet or options.json)
+    with waiting(f"{args[0]} rig", shown=talks):
+        found = run(options)
+    files = found.write(options.out)
+    if options.json:
+        print(found.to_json())
+    if talks:
+        for table in found.shown:
+            print_columns(table)
+        console().print(", ".join(str(f) for f in files), highlight=False)
     return 0
 
 
-def _wheel(options: Wheel) -> list[Path]:
+def _wheel(options: Wheel) -> Measured:
     from twin.rig import figures
     from twin.rig.wheel import outside_range, self_propelled, towed, wheel
 
@@ -130,7 +137,8 @@ def _wheel(options: Wheel) -> list[Path]:
     )
     given: dict[str, Any] = {"speed_mps": options.speed_mps, "radial": options.radial}
     tyre, soil = options.tyre, options.soil
-    _warn(outside_range(tyre, soil, load_n=np.unique(load), radial=options.radial))
+    if not options.quiet:
+        _warn(outside_range(tyre, soil, load_n=np.unique(load), radial=options.radial))
     curve = wheel(tyre, soil, slip=slip, load_n=load, slip_angle_rad=angle, **given)
     loads = np.unique(load)
     pulled, driven = (f(tyre, soil, load_n=loads, **given) for f in (towed, self_propelled))
@@ -145,12 +153,10 @@ def _wheel(options: Wheel) -> list[Path]:
     }
     columns = curve.columns()
     straight = (np.abs(angle) == np.abs(angle).min()) & (slip >= 0.0)
-    _print({name: columns[name][straight] for name in SHOWN})
-    _print(free)
     title = f"Wheel rig: {_soil(soil)}, {_tyre(tyre)}"
-    return _written(
-        options.out,
+    return Measured(
         {"wheel.csv": columns, "wheel-free.csv": free},
+        [{name: columns[name][straight] for name in SHOWN}, free],
         "wheel.png",
         lambda path: figures.wheel(curve, pulled, title, path),
     )
@@ -162,7 +168,7 @@ SHOWN = (
 )  # fmt: skip
 
 
-def _drawbar(options: Drawbar) -> list[Path]:
+def _drawbar(options: Drawbar) -> Measured:
     from twin.rig import figures
     from twin.rig.drawbar import drawbar, expected_pull_n
 
@@ -176,17 +182,16 @@ def _drawbar(options: Drawbar) -> list[Path]:
     expected = expected_pull_n(options.soil, slips, hitch_m=options.hitch_m)
     ours = np.interp(slips, curve.slip, curve.pull_n)
     table = {"slip": slips, "pull_n": ours, "expected_n": expected, "ratio": ours / expected}
-    _print(table)
     title = f"Drawbar rig: {_soil(options.soil)}, pull at {options.hitch_m:g} m"
-    return _written(
-        options.out,
+    return Measured(
         {"drawbar.csv": curve.columns(), "drawbar-expected.csv": table},
+        [table],
         "drawbar.png",
         lambda path: figures.drawbar(curve, slips, expected, title, path),
     )
 
 
-def _slope(options: Slope) -> list[Path]:
+def _slope(options: Slope) -> Measured:
     from twin.rig import figures
     from twin.rig.slope import expected, slope
 
@@ -199,17 +204,16 @@ def _slope(options: Slope) -> list[Path]:
     columns = seen.columns()
     own = ("crab_angle_rad", "steer_rad", "slip")
     columns |= {f"expected_{name}": getattr(wanted, name) for name in own}
-    _print({"cross_slope_deg": slopes} | {f"{n}": columns[n] for n in columns if "load" not in n})
     title = f"Slope rig: {_soil(options.soil)}"
-    return _written(
-        options.out,
+    return Measured(
         {"slope.csv": columns},
+        [{"cross_slope_deg": slopes} | {n: columns[n] for n in columns if "load" not in n}],
         "slope.png",
         lambda path: figures.slope(seen, wanted, title, path),
     )
 
 
-def _park(options: Park) -> list[Path]:
+def _park(options: Park) -> Measured:
     from twin.rig import figures
     from twin.rig.park import park
 
@@ -218,17 +222,16 @@ def _park(options: Park) -> list[Path]:
         raise BadInput("--cross-slope-deg and --grade-deg are empty; give at least one slope")
     cross, grade = np.array(slopes).T
     creep = park(options.soil, cross_slope_deg=cross, grade_deg=grade, parked_s=options.parked_s)
-    _print(creep.columns())
     title = f"Parking rig: {_soil(options.soil)}, brakes on for {options.parked_s:g} s"
-    return _written(
-        options.out,
+    return Measured(
         {"park.csv": creep.columns()},
+        [creep.columns()],
         "park.png",
         lambda path: figures.park(creep, title, path),
     )
 
 
-RIGS: dict[str, tuple[Any, Callable[[Any], list[Path]]]] = {
+RIGS: dict[str, tuple[Any, Callable[[Any], Measured]]] = {
     "wheel": (Wheel, _wheel),
     "drawbar": (Drawbar, _drawbar),
     "slope": (Slope, _slope),
@@ -266,38 +269,8 @@ def _tyre(tyre: Tyre) -> str:
     )
 
 
-def _print(columns: Mapping[str, Any]) -> None:
-    from rich import box
-    from rich.table import Table
-
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for name in columns:
-        table.add_column(name, justify="right")
-    for row in zip(*columns.values(), strict=True):
-        table.add_row(*("-" if math.isnan(v) else f"{round(v, 12) + 0.0:.4g}" for v in row))
-    console().print(table)
-
-
 def _check_folder(folder: Path) -> None:
     """Refuse before the work what could not be written after it."""
     existing = next(p for p in (folder, *folder.absolute().parents) if p.exists())
     if not existing.is_dir():
         raise BadInput(f"--out {folder}: {existing} is a file, not a folder")
-
-
-def _written(
-    folder: Path,
-    tables: Mapping[str, Mapping[str, Any]],
-    figure: str,
-    draw: Callable[[Path], None],
-) -> list[Path]:
-    from twin.rig.table import write_csv
-
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, columns in tables.items():
-            write_csv(columns, folder / name)
-        draw(folder / figure)
-    except OSError as error:
-        raise BadInput(f"--out {folder} cannot be written: {error.strerror}") from None
-    return [*(folder / name for name in tables), folder / figure]

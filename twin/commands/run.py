@@ -6,6 +6,7 @@ import dataclasses
 import json
 import shlex
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,6 +18,7 @@ from twin import registry
 from twin.commands.parse import parse
 from twin.commands.terminal import console, print_scores, progress
 from twin.errors import BadInput
+from twin.written import moved_when_complete
 
 if TYPE_CHECKING:
     from twin.run import Run
@@ -71,8 +73,8 @@ def execute(scenario: Any, options: Options, command: str = "") -> Path:
     from twin.run import run  # heavy, so only once the input is known to be good
 
     shown = not (options.quiet or options.json)
-    with progress(scenario.name, shown=shown) as report:
-        result = run(scenario, estimators=estimators, progress=report, frames=options.frames)
+    with progress(scenario.name, shown=shown) as told, _pngs(options.frames) as frames:
+        result = run(scenario, estimators=estimators, progress=told, frames=frames)
     window = scores.scored_window_s(result.truth, scenario)
     table = scores.score(
         result.truth, result.estimates, scenario=scenario.name, seed=scenario.seed, window=window
@@ -107,6 +109,11 @@ def _check_frames(scenario: Any, folder: Path | None) -> None:
         raise BadInput(f"--frames {folder}: scenario '{scenario.name}' has no camera")
     if folder.exists() and not folder.is_dir():
         raise BadInput(f"--frames {folder} is no folder; choose another")
+
+
+def _pngs(folder: Path | None) -> AbstractContextManager[Path | None]:
+    """Where the frames are written until all are there."""
+    return nullcontext() if folder is None else moved_when_complete(folder)
 
 
 def load_estimators(names: str) -> dict[str, Any]:

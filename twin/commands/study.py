@@ -14,6 +14,7 @@ import tyro
 
 from twin import registry
 from twin import rows as rows_file
+from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
 from twin.commands.terminal import console, progress
 from twin.errors import BadInput, check_range
@@ -37,7 +38,7 @@ DRAWN = {"slip.rmse": "RMSE of slip", "sideslip_angle_rad.rmse": "RMSE of sidesl
 
 
 @dataclass(frozen=True, kw_only=True)
-class Study:
+class Study(Output):
     """Run scenarios x sweeps x seeds, every estimator on each run; a killed study goes on."""
 
     estimators: str = "ratio,four-state"
@@ -61,10 +62,6 @@ class Study:
     """An estimator that the others are compared with, seed by seed."""
     retry_failed: bool = False
     """Do the runs again that ended in an error."""
-    quiet: bool = False
-    """Say nothing but errors."""
-    json: Path | None = None
-    """File for the summary's rows, beside the study's own."""
 
 
 def main(args: Sequence[str]) -> int:
@@ -78,8 +75,7 @@ def main(args: Sequence[str]) -> int:
     check_range("first_seed", options.first_seed, 0, 2**31 - options.seeds)
     if options.jobs == 0:
         raise BadInput("jobs = 0 would do nothing; 1, or -1 for as many as the backend has")
-    if options.json is not None and not options.json.parent.is_dir():
-        raise BadInput(f"--json {options.json}: there is no directory {options.json.parent}")
+    check_files(json=options.json)
     from twin import study
 
     estimators = _listed("--estimators", options.estimators)
@@ -91,7 +87,7 @@ def main(args: Sequence[str]) -> int:
     folder = options.out or Path("studies") / "+".join(n.replace(":", "-") for n in names)
     _begin(folder, args)
     try:
-        with progress(f"{len(cases)} runs", shown=not options.quiet) as told:
+        with progress(f"{len(cases)} runs", shown=options.talks) as told:
             _work(cases, folder, options, told)
     except KeyboardInterrupt:
         left = len(study.missing(cases, folder / PARTS))
@@ -187,10 +183,10 @@ def _finish(cases: Sequence[Any], folder: Path, swept: list[str], options: Study
     rows = table.to_pylist()
     groups = study.groups(rows, swept)
     summary = study.rows(groups, study.quantities(rows, swept), options.against)
-    for path in filter(None, (folder / SUMMARY, options.json)):
-        rows_file.write(summary, path)
+    rows_file.write(summary, folder / SUMMARY)
+    deliver(summary, options.json)
     drawn = [*_draw(groups, folder), *_report(summary, folder, len(cases), options.against)]
-    if not options.quiet:
+    if options.talks:
         print_means(groups)
         failed = [row for row in rows if row["error"] is not None]
         for text in dict.fromkeys(

@@ -5,11 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from rich.console import Console
 
 from twin.table import HEADERS, score_rows
+
+if TYPE_CHECKING:
+    from twin.many import Told
 
 _WIDE = 200
 """Columns of a table that goes into a file or a pipe."""
@@ -66,9 +69,56 @@ class Tell(Protocol):
 @contextmanager
 def progress(label: str, *, shown: bool) -> Iterator[Tell]:
     """A bar on stderr, with simulated time, speed and time left; silent off a terminal."""
+    watch = Stopwatch()
+    with _bar(label, shown=shown) as (bar, task):
+        if bar is None:
+            yield lambda share, simulated_s=None, /: None
+            return
+
+        def tell(share: float, simulated_s: float | None = None, /) -> None:
+            bar.update(task, completed=min(share, 1.0), pace=pace(simulated_s, watch.seconds()))
+
+        yield tell
+
+
+@contextmanager
+def counting(label: str, what: str, *, shown: bool) -> Iterator[Told]:
+    """A bar of things done, in stages that each begin at none: `37 runs, 1.4 a second`."""
+    watch, before, stage = Stopwatch(), 0, 0
+    with _bar(label, shown=shown) as (bar, task):
+        if bar is None:
+            yield lambda done, total: None
+            return
+
+        def tell(done: int, total: int) -> None:
+            nonlocal before, stage
+            if done == 0:
+                before, stage = before + stage, 0
+                bar.reset(task, total=total)
+            stage = done
+            said = rate(before + done, what, watch.seconds())
+            bar.update(task, completed=done, total=total, pace=said)
+
+        yield tell
+
+
+@contextmanager
+def waiting(label: str, *, shown: bool) -> Iterator[None]:
+    """A sign that something goes on; silent off a terminal."""
     err = console(stderr=True)
     if not (shown and err.is_terminal):
-        yield lambda share, simulated_s=None, /: None
+        yield
+        return
+    with err.status(label):
+        yield
+
+
+@contextmanager
+def _bar(label: str, *, shown: bool) -> Iterator[tuple[Any, Any]]:
+    """rich's bar and its one task, gone when done; None off a terminal."""
+    err = console(stderr=True)
+    if not (shown and err.is_terminal):
+        yield None, None
         return
     from rich.progress import (
         BarColumn,
@@ -82,14 +132,17 @@ def progress(label: str, *, shown: bool) -> Iterator[Tell]:
         TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(),
         TextColumn("{task.fields[pace]}"), TimeRemainingColumn(),
     )  # fmt: skip
-    watch = Stopwatch()
     with Progress(*columns, console=err, transient=True) as bar:
-        task = bar.add_task(label, total=1.0, pace="")
+        yield bar, bar.add_task(label, total=1.0, pace="")
 
-        def tell(share: float, simulated_s: float | None = None, /) -> None:
-            bar.update(task, completed=min(share, 1.0), pace=pace(simulated_s, watch.seconds()))
 
-        yield tell
+def rate(done: int, what: str, wall_s: float) -> str:
+    """`37 runs, 1.4 a second`, or a minute where that is few."""
+    if done == 0 or wall_s <= 0.0:
+        return ""
+    per_s = done / wall_s
+    often = f"{per_s:.1f} a second" if per_s >= 1.0 else f"{60.0 * per_s:.1f} a minute"
+    return f"{done} {what}, {often}"
 
 
 def pace(simulated_s: float | None, wall_s: float) -> str:

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from twin import rows as rows_file
 from twin.commands.bench import print_rows
+from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
-from twin.commands.terminal import console
-from twin.errors import BadInput, check_range
+from twin.commands.terminal import console, counting
+from twin.errors import check_range
+from twin.written import write_text
 
 if TYPE_CHECKING:
     from twin.validate.check import Check
@@ -20,13 +21,11 @@ BROKEN_PROMISE = 1
 
 
 @dataclass(frozen=True, kw_only=True)
-class Validate:
+class Validate(Output):
     """Check the twin against mechanics, published laws and tables, and field measurements."""
 
     jobs: int = 1
     """Processes; -1 for one a core."""
-    json: Path | None = None
-    """File for the rows."""
     out: Path | None = None
     """File for the page, such as VALIDATION.md."""
     report: Path | None = None
@@ -40,28 +39,23 @@ def main(args: Sequence[str]) -> int:
     options = parse(Validate, args, prog="twin validate")
     if options.jobs != -1:
         check_range("jobs", options.jobs, 1, 1024)
-    for name, path in (
-        ("--json", options.json),
-        ("--out", options.out),
-        ("--report", options.report),
-    ):
-        if path is not None and (path.is_dir() or not path.absolute().parent.is_dir()):
-            raise BadInput(f"{name} {path}: it must be a file in a directory that exists")
+    check_files(json=options.json, out=options.out, report=options.report)
+    from twin.many import telling
     from twin.validate import page, suite
 
-    with console(stderr=True).status("validating"):
+    with counting("validating", "checks", shown=options.talks) as told, telling(told):
         found = suite.checks(jobs=options.jobs, quick=options.quick)
     measured = [check.row for of_layer in found.values() for check in of_layer]
-    print_rows(measured)
-    if options.json is not None:
-        rows_file.write(measured, options.json)
+    deliver(measured, options.json)
     if options.out is not None:
-        _write(page.text(found, quick=options.quick), options.out)
+        write_text(options.out, page.text(found, quick=options.quick))
     if options.report is not None:
         _report(found, options.report, quick=options.quick)
     failed = [check for of_layer in found.values() for check in of_layer if not check.passed]
-    said = f"{len(measured)} rows, {len(failed)} fail"
-    console().print("; ".join([said, *(", ".join(c.name) for c in failed)]), highlight=False)
+    if options.talks:
+        print_rows(measured)
+        said = f"{len(measured)} rows, {len(failed)} fail"
+        console().print("; ".join([said, *(", ".join(c.name) for c in failed)]), highlight=False)
     return BROKEN_PROMISE if failed else 0
 
 
@@ -73,10 +67,3 @@ def _report(found: Mapping[str, Sequence[Check]], path: Path, *, quick: bool) ->
     about = "Sources, reasons and what is not validated stand in VALIDATION.md."
     command = "twin validate --quick" if quick else "twin validate"
     rows.write_checks(path, "Validation", about, sections, command)
-
-
-def _write(text: str, path: Path) -> None:
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise BadInput(f"--out {path} cannot be written: {error.strerror}") from None

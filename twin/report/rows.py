@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 
 from twin.report.draw import svg
 from twin.report.html import document, figures, made_with, table
+from twin.written import write_text
 
 Rows = Sequence[Mapping[str, Any]]
 
@@ -44,7 +45,7 @@ def write_intervals(path: Path, title: str, about: str, rows: Rows, command: str
         figures(drawn),
         made_with(command),
     ]
-    path.write_text(document(title, parts), encoding="utf-8")
+    write_text(path, document(title, parts))
 
 
 def write_checks(
@@ -67,7 +68,7 @@ def write_checks(
     for name, rows in sections.items():
         if rows:
             parts.append(f"<h2>{html.escape(name)}</h2>{_check_table(rows)}")
-    path.write_text(document(title, [*parts, made_with(command)]), encoding="utf-8")
+    write_text(path, document(title, [*parts, made_with(command)]))
 
 
 def interval_figure(quantity: str, rows: Rows) -> str:

@@ -13,12 +13,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
+from joblib import delayed
 from scipy.stats import chi2
 
 from twin import truth
 from twin.machine.build import build
 from twin.machine.simulate import simulate
+from twin.many import many
 from twin.registry import load
 from twin.reproduce.cross_slope_trial import OWN, Estimate, Trial, trial
 from twin.reproduce.passes import NO_SENSORS
@@ -79,9 +80,8 @@ def bound_sd_m(length_m: float, time_s: float, limits: Limits | None = None) -> 
 def rows(trials: int = 30, jobs: int = 1) -> list[dict[str, Any]]:
     """All rows, over `trials` seeds of each cell."""
     cases = [(slope, soil, seed) for slope, soil in CELLS for seed in range(trials)]
-    done = Parallel(n_jobs=jobs)(
-        delayed(trial)(f"slope-{slope}-{soil}", seed, float(slope)) for slope, soil, seed in cases
-    )
+    named = [(f"slope-{slope}-{soil}", seed, float(slope)) for slope, soil, seed in cases]
+    done = many((delayed(trial)(*case) for case in named), jobs)
     cells: dict[tuple[int, str], list[Trial]] = {cell: [] for cell in CELLS}
     for (slope, soil, _), found in zip(cases, done, strict=True):
         cells[slope, soil].append(found)
@@ -195,9 +195,7 @@ def taishan_rows(trials: int, jobs: int) -> list[dict[str, Any]]:
     names = [f"slope-{s}-{what}" for what in ("taishan", "plough") for s in (5, 10)]
     seeds = range(max(1, trials // 3))
     cases = [(name, seed) for name in names for seed in seeds]
-    done = Parallel(n_jobs=jobs)(
-        delayed(trial)(name, seed, 0.0, papers=False) for name, seed in cases
-    )
+    done = many((delayed(trial)(name, seed, 0.0, papers=False) for name, seed in cases), jobs)
     out = []
     for name in names:
         runs = [t for t, (own, _) in zip(done, cases, strict=True) if own == name]

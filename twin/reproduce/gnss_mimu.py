@@ -12,8 +12,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
+from joblib import delayed
 
+from twin.many import many
 from twin.registry import load
 from twin.rows import row
 from twin.run import run
@@ -38,7 +39,7 @@ def rows(trials: int = 4, jobs: int = 1) -> list[dict[str, Any]]:
     """All rows, over `trials` seeds."""
     cases = [(s, v) for s in SURFACES for v in SPEEDS_KMH]
     seeds = [(s, v, seed) for s, v in cases for seed in range(trials)]
-    widths = Parallel(n_jobs=jobs)(delayed(half_width)(*case) for case in seeds)
+    widths = many((delayed(half_width)(*case) for case in seeds), jobs)
     found = {
         case: float(np.mean([w for w, c in zip(widths, seeds, strict=True) if c[:2] == case]))
         for case in cases

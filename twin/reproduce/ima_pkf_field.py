@@ -12,8 +12,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
+from joblib import delayed
 
+from twin.many import many
 from twin.registry import load
 from twin.reproduce.ima_pkf_trials import mean_and_interval
 from twin.rows import row
@@ -54,7 +55,7 @@ Scores = dict[str, dict[str, float]]
 def rows(trials: int = 8, jobs: int = 1) -> Rows:
     """All rows, over `trials` seeds; low and high of a measured figure are its 95 % interval."""
     cases = [(cm, seed) for cm in DEPTHS_CM for seed in range(trials)]
-    found = Parallel(n_jobs=jobs)(delayed(plough)(*case) for case in cases)
+    found = many((delayed(plough)(*case) for case in cases), jobs)
     out: Rows = []
     for cm in DEPTHS_CM:
         scores = [each for each, case in zip(found, cases, strict=True) if case[0] == cm]

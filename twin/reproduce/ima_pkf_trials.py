@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
+from joblib import delayed
 from numpy.typing import NDArray
 
 from scenarios.ima_pkf import Trial, simulate
 from scenarios.ima_pkf_signals import SETUP, streams
+from twin.many import many
 
 Array = NDArray[np.float64]
 
@@ -58,7 +59,7 @@ def study(
     trials: list[Trial], estimators: Mapping[str, Any], jobs: int = 1
 ) -> dict[str, list[Errors]]:
     """Errors of each estimator in each trial."""
-    tried = Parallel(n_jobs=jobs)(delayed(try_all)(trial, estimators) for trial in trials)
+    tried = many((delayed(try_all)(trial, estimators) for trial in trials), jobs)
     return {name: [each[name] for each in tried] for name in estimators}
 
 

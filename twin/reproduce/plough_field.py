@@ -10,9 +10,10 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
+from joblib import delayed
 
 from scenarios import plough
+from twin.many import many
 from twin.reproduce.passes import Pass, drive
 from twin.rows import row
 from twin.scenario import Course, Scenario
@@ -39,7 +40,7 @@ def rows(trials: int = 16, jobs: int = 1) -> list[dict[str, Any]]:
 
 def _drive_all(scenario: Scenario, trials: int, jobs: int) -> list[Pass]:
     seeds = [replace(scenario, seed=seed) for seed in range(trials)]
-    return list(Parallel(n_jobs=jobs)(delayed(drive)(s) for s in seeds))
+    return many((delayed(drive)(s) for s in seeds), jobs)
 
 
 def _mean(passes: list[Pass], quantity: str) -> float:

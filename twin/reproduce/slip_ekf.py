@@ -11,12 +11,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
+from joblib import delayed
 from numpy.typing import NDArray
 
 from estimators.bounds import bound
 from scenarios.ima_pkf import Trial
 from twin import scores
+from twin.many import many
 from twin.registry import load
 from twin.reproduce.ima_pkf_trials import study
 from twin.rows import row
@@ -123,7 +124,7 @@ def field_rows(trials: int, jobs: int) -> Rows:
     """Ploughing with GNSS, IMU and encoders; the bias of each run is told apart."""
     cases = field_cases()
     tasks = [(name, seed) for name in cases for seed in range(trials)]
-    done = Parallel(n_jobs=jobs)(delayed(drive)(cases[name], seed) for name, seed in tasks)
+    done = many((delayed(drive)(cases[name], seed) for name, seed in tasks), jobs)
     found = {
         name: [each for each, (of, _) in zip(done, tasks, strict=True) if of == name]
         for name in cases

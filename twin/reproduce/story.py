@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from twin.report.html import document, made_with, table
+from twin.written import write_text
 
 Rows = Sequence[Mapping[str, Any]]
 
@@ -25,12 +26,12 @@ class Story:
     """Caption, and what draws the figure as an SVG element."""
 
 
-def write(path: Path, title: str, rows: Rows, story: Story) -> None:
-    """Write the report as one HTML page, no network."""
-    path.write_text(page(title, rows, story), encoding="utf-8")
+def write(path: Path, title: str, rows: Rows, story: Story, command: str = "") -> None:
+    """Write the report as one HTML page, no network; `command` is what does it again."""
+    write_text(path, page(title, rows, story, command))
 
 
-def page(title: str, rows: Rows, story: Story) -> str:
+def page(title: str, rows: Rows, story: Story, command: str = "") -> str:
     """The whole page as HTML text."""
     figures = "".join(
         f"<figure>{draw()}<figcaption>{html.escape(caption)}</figcaption></figure>"
@@ -40,7 +41,7 @@ def page(title: str, rows: Rows, story: Story) -> str:
         *(f"<p>{html.escape(text)}</p>" for text in story.paragraphs),
         f'<div class="figures">{figures}</div>' if figures else "",
         *(_section(case, found) for case, found in _cases(rows).items()),
-        made_with(),
+        made_with(command),
     ]
     return document(title, parts)
 

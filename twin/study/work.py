@@ -14,6 +14,7 @@ import joblib
 
 from twin.errors import BadInput
 from twin.lookup import attribute, line
+from twin.many import Counted
 from twin.study import part
 from twin.study.plan import Case
 
@@ -59,8 +60,8 @@ def work(
     if not todo:
         return
     workers = _workers(backend, jobs, options or {})
-    told = _Told(n_jobs=jobs)
-    told.tell = lambda count: progress((done + count) / len(cases))
+    told = Counted(n_jobs=jobs)
+    told.told = lambda count: progress((done + count) / len(cases))
     try:
         with workers:
             told(joblib.delayed(part.write)(case, folder) for case in todo)
@@ -69,16 +70,6 @@ def work(
         raise BadInput(text) from None
     for leftover in folder.glob(".*.parquet.*"):  # of runs that were killed while writing
         leftover.unlink(missing_ok=True)
-
-
-class _Told(joblib.Parallel):  # type: ignore[misc]
-    """Parallel that says how many are done, whatever the backend."""
-
-    tell: Callable[[int], None]
-
-    def print_progress(self) -> None:
-        """Called by joblib after every batch."""
-        self.tell(self.n_completed_tasks)
 
 
 def _workers(backend: str, jobs: int, options: Mapping[str, Any]) -> Any:

@@ -7,12 +7,13 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from joblib import Parallel, delayed
+from joblib import delayed
 from numpy.typing import NDArray
 
 from twin import truth
 from twin.machine.build import build
 from twin.machine.simulate import simulate
+from twin.many import many
 from twin.physics import block
 from twin.physics.block import MachineSlot, WheelSlot
 from twin.reproduce import plough_field
@@ -193,7 +194,7 @@ def structure(jobs: int, quick: bool) -> list[Check]:
         replace(plough_field.SCENARIOS[20], seed=s)
         for s in range(QUICK_SEEDS if quick else LOG_SEEDS)
     ]
-    found = Parallel(n_jobs=jobs)(delayed(_slips)(s) for s in seeds)
+    found = many((delayed(_slips)(s) for s in seeds), jobs)
     true, measured = zip(*found, strict=True)
     return [
         within(

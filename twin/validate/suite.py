@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from joblib import Parallel, delayed
+from joblib import delayed
 
+from twin.many import many
 from twin.validate import analytic, field, handling, instruments, numerical, terrain, traction
 from twin.validate.check import Check
 
@@ -54,9 +55,9 @@ def checks(*, jobs: int = 1, quick: bool = False) -> dict[str, list[Check]]:
     """
     if quick:  # few seeds: beside the other tasks, not split among the processes
         whole = [delayed(field.ploughing)(1, True), delayed(field.structure)(1, True)]
-        ploughed, slips, *measured = Parallel(n_jobs=jobs)([*whole, *_tasks()])
+        ploughed, slips, *measured = many([*whole, *_tasks()], jobs)
     else:
-        measured = Parallel(n_jobs=jobs)(_tasks())
+        measured = many(_tasks(), jobs)
         ploughed, slips = field.ploughing(jobs, False), field.structure(jobs, False)
     out: dict[str, list[Check]] = {layer: [] for layer in LAYERS}
     for (layer, _), found in zip(TASKS, measured, strict=True):

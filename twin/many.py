@@ -1,0 +1,56 @@
+"""One function over many cases, in processes, and a word whenever one of them has ended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any
+
+import joblib
+
+Told = Callable[[int, int], None]
+"""Told how many of how many are done."""
+
+
+def _nobody(done: int, total: int) -> None:
+    """Nobody wants to know."""
+
+
+_TOLD: ContextVar[Told] = ContextVar("told", default=_nobody)
+
+
+@contextmanager
+def telling(told: Told) -> Iterator[None]:
+    """Who is told inside the block by whatever runs there."""
+    token = _TOLD.set(told)
+    try:
+        yield
+    finally:
+        _TOLD.reset(token)
+
+
+def many(calls: Iterable[Any], jobs: int = 1) -> list[Any]:
+    """Results of calls, in their order.
+
+    Args:
+        calls: as `joblib.delayed` makes them.
+        jobs: processes; -1 for one a core.
+    """
+    calls, told = list(calls), _TOLD.get()
+    told(0, len(calls))
+    parallel = Counted(n_jobs=jobs)
+    parallel.told = lambda done: told(done, len(calls))
+    with telling(_nobody):  # of calls that a call makes
+        found: list[Any] = parallel(calls)
+    return found
+
+
+class Counted(joblib.Parallel):  # type: ignore[misc]
+    """Parallel that says how many are done, whatever the backend."""
+
+    told: Callable[[int], None]
+
+    def print_progress(self) -> None:
+        """Called by joblib after every batch."""
+        self.told(self.n_completed_tasks)
