@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from twin.errors import BadInput, UnknownName
@@ -31,6 +32,8 @@ def load(kind: str, spec: str) -> Any:
     """
     known = _registry(kind)
     if ":" not in spec:
+        if spec not in known and Path(f"{spec}.py").is_file():
+            raise BadInput(f"no {kind} is called '{spec}'; of {spec}.py say what, as {spec}:Name")
         if spec not in known:
             raise UnknownName(kind, spec, known)
         spec = known[spec]

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from twin import sensors, truth
+from twin import estimating, sensors, truth
 from twin.camera import tracking
 from twin.camera.frames import DrawnFrames
 from twin.camera.tracking import Tracker
@@ -92,6 +92,7 @@ def run(
         frames: folder where the camera's frames are saved as PNG.
 
     Raises:
+        BadInput: an estimator fails; says which and where.
         Diverged: the simulation left the finite numbers; its evidence repeats the last second.
     """
     start = time.perf_counter()
@@ -106,7 +107,7 @@ def run(
         setup, streams, true = scenario.measure()
     start_ns = int(true["epoch_ns"][0])
     estimates = {
-        name: _of_the_run(estimator.run(estimator.init(setup), streams)[1], start_ns)
+        name: _of_the_run(estimating.estimates(name, estimator, setup, streams), start_ns)
         for name, estimator in estimators.items()
     }
     wall_s = time.perf_counter() - start

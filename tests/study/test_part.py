@@ -37,11 +37,9 @@ def test_what_fails_is_a_row_with_its_error(tmp_path):
     cases = plan(["study.brought:ODD"], range(3), ["ratio", "study.brought:Failing"], {})
     work(cases, tmp_path, jobs=1)
     rows = read(cases, tmp_path).to_pylist()
-    assert [r["error"] for r in rows] == [
-        None, "RuntimeError: no idea",
-        "ArithmeticError: odd", "ArithmeticError: odd",
-        None, "RuntimeError: no idea",
-    ]  # fmt: skip
+    said = "estimator 'study.brought:Failing' fails: RuntimeError: no idea (brought.py, line 48)"
+    odd = "ArithmeticError: odd"
+    assert [r["error"] for r in rows] == [None, said, odd, odd, None, said]
     assert [r["slip.rmse"] is None for r in rows] == [False, True, True, True, False, True]
     assert [r["seed"] for r in rows] == [0, 0, 1, 1, 2, 2]
     assert len(failed(cases, tmp_path)) == 3

@@ -84,13 +84,14 @@ def estimated(
     told: Callable[[int, int], None] = lambda done, total: None,
 ) -> Record:
     """The estimates of every estimator over the whole log."""
+    from twin import estimating
     from twin.runfolder import Record
 
     watch = Stopwatch()
     estimates = {}
     for done, (name, estimator) in enumerate(estimators.items()):
         told(done, len(estimators))
-        _, estimates[name] = estimator.run(estimator.init(log.setup), log.streams)
+        estimates[name] = estimating.estimates(name, estimator, log.setup, log.streams)
     return Record(
         setup=log.setup,
         streams=log.streams,

@@ -13,6 +13,7 @@ from typing import Any
 
 from twin import registry, scores
 from twin.errors import TwinError
+from twin.estimating import estimates
 from twin.lookup import line
 from twin.study.plan import Case
 
@@ -54,7 +55,7 @@ def _estimated(case: Case, name: str, done: Any) -> Row:
     summary = flat({"truth": scores.truth_summary(done.truth, window)})
     try:
         estimator = seeded(registry.load("estimator", name), case.run.seed)
-        _, table = estimator.run(estimator.init(done.setup), done.streams)
+        table = estimates(name, estimator, done.setup, done.streams)
         found = flat(scores.estimator_scores(done.truth, table, window))
     except Exception as error:  # whatever a user's estimator raises
         return {"error": _said(error), "ended": done.ended} | summary
