@@ -16,6 +16,7 @@ from twin import report, scores
 from twin.report import errors, figures
 from twin.report.page import flat, page
 from twin.report.rows import place_of, write_checks, write_intervals
+from twin.reproduce import story
 from twin.rows import row
 from twin.runfolder import Record
 
@@ -68,6 +69,20 @@ def test_a_dot_is_in_the_grey_just_where_its_row_passes(
     made = row("c", "q", ours, "1", low=low, high=high)
     assert place_of(made) == pytest.approx(place)
     assert (abs(place) <= 1.0) is made["passed"]
+
+
+def test_an_experiment_without_figures_of_its_own_has_those_of_its_rows() -> None:
+    made = [
+        row("15 cm", "speed", 6.2, "km/h", low=6.3, high=6.6, published=6.48),
+        row("15 cm", "slip <sd>", 0.00012, "1"),
+    ]
+    text = story.page("paper", made, story.Story(paragraphs=("What it is.",)), "twin reproduce x")
+    titles = re.findall(r'aria-label="([^"]*)"', text)
+    assert titles == ["Ours over published", "Rows within their tolerance"]
+    assert "15 cm, speed" in text
+    assert "slip &lt;sd&gt;" in text
+    assert all(cell in text for cell in (">0.0001<", ">6.2<", ">km/h<", "twin reproduce x"))
+    assert "at least 6.3 and at most 6.6: not reached" in text
 
 
 def test_power_that_goes_adds_up_in_its_figure() -> None:

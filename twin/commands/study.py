@@ -203,15 +203,26 @@ def _report(
     """The page of the scores that are shown, and of their paired differences."""
     from twin.report import rows
 
-    names = [n for q in SHOWN for n in (q, f"{q} less that of {against}")]
-    shown = [row for row in summary if row["quantity"] in names]
+    shown = [
+        _scaled(row, f"{heading}{less}", scale)
+        for quantity, (heading, scale) in SHOWN.items()
+        for less in ("", f" less that of {against}")
+        for row in summary
+        if row["quantity"] == f"{quantity}{less}"
+    ]
     if not shown:
         return []
-    about = f"Means of {count} runs over the seeds, and their 95 % intervals; in SI units."
+    about = f"Means of {count} runs over the seeds, and their 95 % intervals."
     asked = json.loads((folder / PLAN).read_text())["twin study"]
     command = f"twin study {shlex.join(asked)}"
-    rows.write_intervals(folder / REPORT, f"Study {folder.name}", about, shown, command)
+    rows.write_intervals(folder / REPORT, f"Study: {folder.name}", about, shown, command)
     return [REPORT]
+
+
+def _scaled(row: Mapping[str, Any], heading: str, scale: float) -> dict[str, Any]:
+    """A row in the unit of its heading."""
+    values = {key: scale * row[key] for key in ("ours", "low", "high") if key in row}
+    return {**row, **values, "quantity": heading, "unit": "1"}
 
 
 def _draw(groups: Sequence[Group], folder: Path) -> list[str]:

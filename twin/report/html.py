@@ -23,6 +23,7 @@ table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size
 th, td { padding: .3rem .6rem; text-align: right; white-space: nowrap }
 th, td { border-bottom: 1px solid var(--line) }
 th:first-child, td:first-child { text-align: left; padding-left: 0 }
+.names2 th:nth-child(2), .names2 td:nth-child(2) { text-align: left }
 thead th { color: var(--soft); font-weight: 600 }
 dl { display: grid; grid-template-columns: repeat(auto-fill, minmax(9rem, 1fr)) }
 dl { gap: .6rem 1rem; margin: .8rem 0 }
@@ -35,6 +36,7 @@ svg.figure { width: 100%; height: auto; display: block }
 code, pre { font: .88rem/1.5 ui-monospace, "SF Mono", Menlo, Consolas, monospace }
 pre { background: #f5f5f5; padding: .7rem .9rem; white-space: pre-wrap; overflow-wrap: anywhere }
 .parameters td { white-space: normal; overflow-wrap: anywhere }
+@media (max-width: 40rem) { th:first-child, td:first-child { white-space: normal } }
 @media print { body { max-width: none; font-size: 11pt } section { break-inside: avoid } }
 """
 
@@ -87,11 +89,13 @@ def versions() -> str:
     return ", ".join(found)
 
 
-def table(headers: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    """A table as HTML; its cells are text."""
+def table(headers: Iterable[str], rows: Iterable[Iterable[str]], *, names: int = 1) -> str:
+    """A table as HTML; its cells are text, in the first one or two columns names."""
     head = "".join(f"<th>{html.escape(h)}</th>" for h in headers)
     body = "".join(
         "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
     )
-    lines = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    lines = (
+        f'<table class="names{names}"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
+    )
     return f'<div class="wide">{lines}</div>'

@@ -110,6 +110,32 @@ def band_figure(rows: Rows) -> str:
     return svg("Rows within their tolerance", draw, height_in=1.1 + 0.5 * ROW_IN * len(rows))
 
 
+def ratio_figure(rows: Rows) -> str:
+    """Each figure over the published one, and where its tolerance lies."""
+    names = [f"{row['case']}, {row['quantity']}" for row in rows]
+    published = np.array([float(row["published"]) for row in rows])
+    ours = np.array([float(row["ours"]) for row in rows]) / published
+    bounds = [[row.get(end, np.nan) for row in rows] for end in ("low", "high")]
+    low, high = np.sort(np.array(bounds, float) / published, axis=0)  # NaN comes last
+
+    def draw(axes: Axes) -> None:
+        order = np.arange(len(rows))[::-1]
+        axes.axvline(1.0, color="#666", lw=0.8)
+        known = np.isfinite(low) & np.isfinite(high)
+        width = (high - low)[known]
+        axes.barh(order[known], width, left=low[known], color=GREY, height=0.8, zorder=0)
+        for passed, colour, marker in ((True, BLUE, "o"), (False, RED, "D")):
+            chosen = np.array([bool(row.get("passed", True)) is passed for row in rows])
+            axes.plot(ours[chosen], order[chosen], marker, color=colour, ms=4.0)
+        axes.set_yticks(order, names)
+        axes.set_ylim(-0.7, len(rows) - 0.3)
+        axes.set_xlabel("ours over published")
+        axes.grid(axis="y", visible=False)
+
+    left = min(0.62, 0.04 + 0.016 * max(map(len, names)))
+    return svg("Ours over published", draw, left=left, height_in=0.9 + ROW_IN * len(rows))
+
+
 def place_of(row: Mapping[str, Any]) -> float:
     """-1 at the low end of the tolerance, 1 at the high one; a single bound is one of them."""
     low, high, ours = row.get("low"), row.get("high"), float(row["ours"])
@@ -138,7 +164,7 @@ def _check_table(rows: Rows) -> str:
         ]
         for row in rows
     ]
-    return table(["case", "quantity", "ours", "reference", "tolerance", "unit", ""], lines)
+    return table(["case", "quantity", "ours", "reference", "tolerance", "unit", ""], lines, names=2)
 
 
 def _tolerance(row: Mapping[str, Any]) -> str:

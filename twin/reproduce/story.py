@@ -5,10 +5,12 @@ from __future__ import annotations
 import html
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from twin.report.html import document, made_with, table
+from twin.report.rows import band_figure, ratio_figure
 from twin.written import write_text
 
 Rows = Sequence[Mapping[str, Any]]
@@ -35,7 +37,7 @@ def page(title: str, rows: Rows, story: Story, command: str = "") -> str:
     """The whole page as HTML text."""
     figures = "".join(
         f"<figure>{draw()}<figcaption>{html.escape(caption)}</figcaption></figure>"
-        for caption, draw in story.figures
+        for caption, draw in story.figures or _usual(rows)
     )
     parts = [
         *(f"<p>{html.escape(text)}</p>" for text in story.paragraphs),
@@ -44,6 +46,20 @@ def page(title: str, rows: Rows, story: Story, command: str = "") -> str:
         made_with(command),
     ]
     return document(title, parts)
+
+
+def _usual(rows: Rows) -> list[tuple[str, Callable[[], str]]]:
+    """The figures of an experiment that has none of its own."""
+    beside = [row for row in rows if row.get("published")]
+    promised = [row for row in rows if "passed" in row]
+    found: list[tuple[str, Callable[[], str]]] = []
+    if beside:
+        caption = "Ours over what was published; grey is what is promised."
+        found.append((caption, partial(ratio_figure, beside)))
+    if promised:
+        caption = "Each row with a promise, in the order of the tables; grey is what is promised."
+        found.append((caption, partial(band_figure, promised)))
+    return found
 
 
 def _cases(rows: Rows) -> dict[str, list[Mapping[str, Any]]]:
@@ -67,8 +83,11 @@ def _section(case: str, rows: Rows) -> str:
     if methods:
         parts.append(_pivot(methods))
     if rest:
-        lines = ([row["quantity"], _cell(row), _published(row), _promise(row)] for row in rest)
-        parts.append(table(["quantity", "ours", "published", "promised"], lines))
+        lines = (
+            [row["quantity"], _cell(row), _published(row), _unit(row), _promise(row)]
+            for row in rest
+        )
+        parts.append(table(["quantity", "ours", "published", "unit", "promised"], lines))
     return "".join(parts)
 
 
@@ -90,14 +109,23 @@ def _cell(row: Mapping[str, Any] | None) -> str:
     """`0.0267 ± 0.0003`, half the 95 % interval; the value alone where low and high are bounds."""
     if row is None:
         return "-"
-    text = f"{row['ours']:.4f}"
+    text = _number(row["ours"])
     if "passed" not in row and {"low", "high"} <= row.keys():
-        text += f" ± {0.5 * (row['high'] - row['low']):.4f}"
+        text += f" ± {_number(0.5 * (row['high'] - row['low']))}"
     return text
 
 
+def _number(value: float) -> str:
+    """Four digits, and no power of ten for what is written without one."""
+    return f"{value:.4f}" if 1e-4 <= abs(value) < 1.0 else f"{value:.4g}"
+
+
+def _unit(row: Mapping[str, Any]) -> str:
+    return "" if row.get("unit", "1") == "1" else str(row["unit"])
+
+
 def _published(row: Mapping[str, Any] | None) -> str:
-    return f"{row['published']:.4f}" if row and "published" in row else ""
+    return _number(row["published"]) if row and "published" in row else ""
 
 
 def _promise(row: Mapping[str, Any]) -> str:
