@@ -61,6 +61,7 @@ def events(truth: Table, streams: Streams, scenario: Any, ended: str = "") -> It
     if "camera" in streams and "used" in streams["camera"]:
         camera = streams["camera"]
         kept = camera["epoch_ns"] >= start_ns
+        kept &= np.cumsum(kept) > 1  # the first frame has none before it to be compared with
         for row, used in _changes(camera["used"][kept] > 0, before=True):
             text = "odometry finds its way again" if used else "odometry loses its way"
             level = "INFO" if used else "WARN"
