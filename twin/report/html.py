@@ -36,7 +36,8 @@ svg.figure { width: 100%; height: auto; display: block }
 code, pre { font: .88rem/1.5 ui-monospace, "SF Mono", Menlo, Consolas, monospace }
 pre { background: #f5f5f5; padding: .7rem .9rem; white-space: pre-wrap; overflow-wrap: anywhere }
 .parameters td { white-space: normal; overflow-wrap: anywhere }
-@media (max-width: 40rem) { th:first-child, td:first-child { white-space: normal } }
+@media (max-width: 40rem) {
+  th:first-child, td:first-child { white-space: normal; min-width: 9.5rem } }
 @media print { body { max-width: none; font-size: 11pt } section { break-inside: avoid } }
 """
 

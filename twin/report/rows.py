@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ Rows = Sequence[Mapping[str, Any]]
 BLUE, RED, GREY = "#0072B2", "#D55E00", "#e8e8e8"
 BEYOND = 1.6
 """A figure further outside its band than this is drawn here, as an arrow."""
-ROW_IN = 0.19
+ROW_IN, LABEL_LETTERS = 0.19, 32
 
 
 def write_intervals(path: Path, title: str, about: str, rows: Rows, command: str) -> None:
@@ -112,7 +113,8 @@ def band_figure(rows: Rows) -> str:
 
 def ratio_figure(rows: Rows) -> str:
     """Each figure over the published one, and where its tolerance lies."""
-    names = [f"{row['case']}, {row['quantity']}" for row in rows]
+    names = [fill(f"{row['case']}, {row['quantity']}", LABEL_LETTERS) for row in rows]
+    lines = max(name.count("\n") for name in names) + 1
     published = np.array([float(row["published"]) for row in rows])
     ours = np.array([float(row["ours"]) for row in rows]) / published
     bounds = [[row.get(end, np.nan) for row in rows] for end in ("low", "high")]
@@ -132,8 +134,7 @@ def ratio_figure(rows: Rows) -> str:
         axes.set_xlabel("ours over published")
         axes.grid(axis="y", visible=False)
 
-    left = min(0.62, 0.04 + 0.016 * max(map(len, names)))
-    return svg("Ours over published", draw, left=left, height_in=0.9 + ROW_IN * len(rows))
+    return svg("Ours over published", draw, left=0.5, height_in=0.9 + lines * ROW_IN * len(rows))
 
 
 def place_of(row: Mapping[str, Any]) -> float:
