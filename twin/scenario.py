@@ -137,7 +137,7 @@ class Soil:
     def _deformable(self, preset: Deformable | None) -> Deformable | None:
         own = self._given(*DEFORMABLE_RANGES)
         if preset is not None:
-            return dataclasses.replace(preset, **own)
+            return dataclasses.replace(preset, **own) if own else preset
         return Deformable(**own) if own.keys() >= set(NEEDED) else None
 
     def _given(self, *names: str) -> dict[str, Any]:

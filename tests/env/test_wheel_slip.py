@@ -1,7 +1,5 @@
 """WheelSlip-v0: torques, the towed draft, slip and sideslip, bits, options."""
 
-import pickle
-
 import gymnasium
 import numpy as np
 import pytest
@@ -17,7 +15,6 @@ from twin.env.observations import (
 )  # fmt: skip
 from twin.env.reward import PULLING_WEIGHTS
 from twin.env.torque_fleet import draft_n
-from twin.env.vector import WheelSlipVectorEnv
 from twin.env.wheel_slip import WheelSlipEnv
 from twin.errors import BadInput, UnknownName
 
@@ -38,31 +35,6 @@ def held(env, action, steps, options=None, seed=1):
     for _ in range(steps):
         *_, info = env.step(np.asarray(action, dtype=np.float32))
     return info
-
-
-@pytest.mark.parametrize("mode", MODES)
-def test_same_seed_same_bits_and_so_a_pickled_copy(pulling, mode):
-    env = pulling[mode]
-    once = rolled(env, 3, 150)
-    assert_same_to_the_bit(once, rolled(env, 3, 150))
-    assert_same_to_the_bit(once, rolled(pickle.loads(pickle.dumps(env)), 3, 150))
-
-
-@pytest.mark.parametrize("mode", MODES)
-def test_many_are_the_single_to_the_bit(pulling, mode):
-    many, actions = WheelSlipVectorEnv(3, observation=mode), np.random.default_rng(1)
-    taken = actions.uniform(-1.0, 1.0, (100, 3, 2)).astype(np.float32)
-    first, infos = many.reset(seed=[7, 8, 9])
-    seen = [many.step(action) for action in taken]
-    for i in (0, 2):
-        observation, info = pulling[mode].reset(seed=7 + i)
-        assert first[i].tobytes() == observation.tobytes()
-        assert all(infos[name][i] == value for name, value in info.items())
-        for action, (others, values, _, _, vector_infos) in zip(taken, seen, strict=True):
-            observation, value, _, _, info = pulling[mode].step(action[i])
-            assert others[i].tobytes() == observation.tobytes()
-            assert values[i] == value
-            assert all(vector_infos[name][i] == known for name, known in info.items())
 
 
 def test_what_is_observed_changes_nothing_that_happens(pulling):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from twin import registry
 from twin.env import observations
-from twin.env.fleet import Fleet
+from twin.env.fleet import Fleet, Start
 from twin.env.grounds import Ground, Lie, Recipe
 from twin.env.instruments import Instruments
 from twin.env.observations import Entry
@@ -69,6 +69,7 @@ class Episodes:
         self.action_space = Box(-1.0, 1.0, (len(self.actions_named),), np.float32)
         self.actions = np.zeros((nsim, len(self.actions_named)))
         self.standing_s = np.zeros(nsim)
+        self.begun: dict[int, tuple[Start, Ground]] = {}
 
     def terms(self, true: Mapping[str, Array]) -> dict[str, Array]:
         """The terms of the reward by name, each of shape (nsim,)."""
@@ -86,6 +87,7 @@ class Episodes:
         """Begin the episodes of some tractors."""
         starts = self.starts.of([ground.lie for ground in grounds])
         self.fleet.restore(ids, starts, grounds)
+        self.begun |= zip(ids, zip(starts, grounds, strict=True), strict=True)
         self.standing_s[ids] = 0.0
         self.actions[ids] = [start.action for start in starts]
         if self.instruments:

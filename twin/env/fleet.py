@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import mujoco
@@ -25,6 +26,8 @@ from twin.machine.start import Diverged
 from twin.machine.trajectory import Trajectory
 from twin.physics import block
 from twin.physics.block import Field, Wheel
+from twin.scenario import Course
+from twin.soils import PRESETS
 from twin.streams import WHEELS
 
 Array = NDArray[np.float64]
@@ -101,6 +104,7 @@ class Fleet:
         self.batch = Batch(model, nsim=nsim, nthread=nthread)
         self.blocks = self.batch.expand("numeric_data")[:, -block.SIZE :]
         self.ground_quat = self.batch.expand("geom_quat")[:, self.ground]
+        self.state = self.batch.state
         self.qpos, self.qvel = self.batch.bind("qpos"), self.batch.bind("qvel")
         self.ctrl, self.slots = self.batch.bind("ctrl"), self.batch.bind("userdata")
         self.sensordata = self.batch.bind("sensordata")
@@ -126,12 +130,14 @@ class Fleet:
         """Put some tractors back to a start, each on a ground of its own; nothing is compiled."""
         chosen = np.asarray(ids, dtype=np.int32)
         self.batch.reset(chosen, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
-        for i, start, ground in zip(chosen, starts, grounds, strict=True):
-            self.batch.state[i] = start.state
+        for i, start, ground in zip(ids, starts, grounds, strict=True):
+            self.state[i] = start.state
             self.lay(i, ground.lie)
             part = soil_part(ground.soil)
             self.blocks[i, [block.SOIL + name for name in part]] = list(part.values())
-            self.blocks[i, self.front_grip] = self.front_ratio * ground.soil.resolved().front_grip
+            self.blocks[i, self.front_grip] = (
+                self.front_ratio * PRESETS[ground.soil.preset].front_grip
+            )
             place = _place(ground, start.along_m)
             self.blocks[i, [block.FIELD + name for name in place]] = list(place.values())
             self.steer_rad[i], self.lift_rad[i] = start.steer_rad, start.lift_rad
@@ -139,8 +145,8 @@ class Fleet:
 
     def lay(self, i: int, lie: Lie) -> None:
         """Slope the ground under one tractor, and give its last furrow its depth."""
-        rotation = world_from_ground(lie.field(), self.machine.scenario.course)
-        self.world_from_ground[i], self.ground_quat[i] = rotation, quaternion(rotation)
+        rotation, turned = _axes(lie, self.machine.scenario.course)
+        self.world_from_ground[i], self.ground_quat[i] = rotation, turned
         axes = block.FIELD + Field.AHEAD  # ahead, left and normal stand one after the other
         self.blocks[i, axes : axes + 9] = rotation.T.ravel()
         self.blocks[i, block.FIELD + Field.FURROW_DEPTH_M] = lie.furrow_depth_m
@@ -211,6 +217,13 @@ class Fleet:
         levers = {"steer_left": left, "steer_right": right} | self.levers(actions)
         for name, value in levers.items():
             self.ctrl[:, self.controls[name]] = value
+
+
+@lru_cache(maxsize=256)
+def _axes(lie: Lie, course: Course) -> tuple[Array, Array]:
+    """The ground's axes, a rotation from them to the world, and the same as a quaternion."""
+    rotation = world_from_ground(lie.field(), course)
+    return rotation, quaternion(rotation)
 
 
 def _place(ground: Ground, start_m: float) -> dict[Any, float]:

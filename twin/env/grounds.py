@@ -93,11 +93,10 @@ class Ground:
 
     def info(self, recipe: Recipe = PLOUGHED) -> dict[str, Any]:
         """The ground by the names of the recipe's options."""
-        preset = self.soil.resolved()
         known = {
             "soil.preset": self.soil.preset,
-            **{f"soil.{name}": float(getattr(preset, name)) for name in SPREAD},
-            **{f"field.{name}": float(getattr(self.lie, name)) for name in LIE},
+            **{f"soil.{name}": getattr(self.soil, name) for name in SPREAD},
+            **{f"field.{name}": getattr(self.lie, name) for name in LIE},
             "field.patches": tuple(
                 (p.start_m, p.length_m, p.friction_factor, p.cone_index_factor)
                 for p in self.patches
@@ -169,17 +168,22 @@ def draw(
     kind = recipe.presets[int(generator.integers(len(recipe.presets)))]
     preset = str(options.get("soil.preset", kind))
     numbers: dict[str, Any] = {}
-    for name, (low, high) in SPREAD.items():
-        drawn = getattr(PRESETS[preset], name) * generator.uniform(low, high)
-        numbers[name] = float(options.get(f"soil.{name}", drawn))
-    pattern_seed, noise_seed = (int(seed) for seed in generator.integers(2**31, size=2))
+    shares = generator.random(len(SPREAD)).tolist()
+    for (name, within), share in zip(SPREAD.items(), shares, strict=True):
+        drawn = getattr(PRESETS[preset], name) * _between(within, share)
+        numbers[name] = options.get(f"soil.{name}", drawn)
+    pattern_seed, noise_seed = generator.integers(2**31, size=2).tolist()
     lie = choices[int(generator.integers(len(choices)))]
     own = {name: value for name, value in _part(options, "field.").items() if name in LIE}
     patches = _drawn_patches(generator, recipe)
-    origin_m = tuple(generator.uniform(-FARTHEST_M, FARTHEST_M, 2).tolist())
+    along, left = generator.random(2).tolist()
+    origin_m = (
+        _between((-FARTHEST_M, FARTHEST_M), along),
+        _between((-FARTHEST_M, FARTHEST_M), left),
+    )
     return Ground(
         soil=Soil(preset=preset, **numbers),
-        lie=replace(lie, **own),
+        lie=replace(lie, **own) if own else lie,
         patches=options.get("field.patches", patches),
         origin_m=options.get("field.origin_m", origin_m),
         pattern_seed=pattern_seed,
@@ -190,8 +194,14 @@ def draw(
 def _drawn_patches(generator: Generator, recipe: Recipe) -> tuple[Patch, ...]:
     most, *ranges = recipe.patches
     count = int(generator.integers(most + 1))
-    rows = [[generator.uniform(*within) for within in ranges] for _ in range(most)]
-    return tuple(_patch(row) for row in rows[:count])
+    shares = generator.random((most, len(ranges))).tolist()
+    return tuple(_patch([*map(_between, ranges, row)]) for row in shares[:count])
+
+
+def _between(within: tuple[float, float], share: float) -> float:
+    """The place a share of the way along a range: uniform, where the share is."""
+    low, high = within
+    return low + (high - low) * share
 
 
 def _patch(row: Sequence[float]) -> Patch:

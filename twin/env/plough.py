@@ -6,7 +6,7 @@ from gymnasium.utils import EzPickle
 
 from twin.env.ploughing import Ploughing
 from twin.env.rendering import check_mode
-from twin.env.single import SingleEnv
+from twin.env.single import RENDER_MODES, SingleEnv
 
 
 class PloughEnv(SingleEnv):
@@ -34,7 +34,7 @@ class PloughEnv(SingleEnv):
     | `estimator` | "four-state" | for "estimate": a registered name, or `module:Name` |
     | `depth_m` | 0.25 | depth to plough at, for which the depth wheel is set [m], 0.05 to 0.35 |
     | `slip_target` | 0.12 | slip to work at [-], 0.02 to 0.4 |
-    | `render_mode` | None | "rgb_array" |
+    | `render_mode` | None | "rgb_array": `render()` gives a picture; "human": a window, in the tractor's own time |
 
     ## Actions: `Box(-1, 1, (2,), float32)`, values outside are taken as the bound
 
@@ -183,5 +183,5 @@ class PloughEnv(SingleEnv):
         render_mode: str | None = None,
     ) -> None:
         EzPickle.__init__(self, observation, estimator, depth_m, slip_target, render_mode)
-        check_mode(render_mode)
+        check_mode(render_mode, RENDER_MODES)
         self._hold(Ploughing(observation, estimator, depth_m, slip_target), render_mode)

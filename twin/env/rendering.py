@@ -1,9 +1,9 @@
-"""A picture of a tractor, where there is an OpenGL driver to make one."""
+"""Where a tractor is looked at: pictures, or a window, where there is OpenGL to make them."""
 
 from __future__ import annotations
 
 import warnings
-from typing import Any
+from typing import Any, Protocol
 
 import mujoco
 import numpy as np
@@ -12,18 +12,38 @@ from numpy.typing import NDArray
 
 from twin.errors import UnknownName
 
-WIDTH, HEIGHT = 640, 480
-RENDER_MODES = ["rgb_array"]
+WIDTH, HEIGHT, FPS = 640, 480, 50
+DISTANCE_WHEELBASES, AZIMUTH_DEG, ELEVATION_DEG = 4.0, 125.0, -15.0
+"""Where the eye is: from the tractor, at its left and ahead, a little above."""
 
 
-def check_mode(render_mode: str | None) -> None:
+class Screen(Protocol):
+    """What a render mode shows tractors on."""
+
+    def of(self, batch: Any, i: int) -> NDArray[np.uint8] | None:
+        """Show one tractor of a Batch on its own ground; the picture, if it is one."""
+
+    def close(self) -> None:
+        """Let go of OpenGL."""
+
+
+def check_mode(render_mode: str | None, modes: list[str]) -> None:
     """Raise UnknownName for a render mode that there is not."""
-    if render_mode not in (None, *RENDER_MODES):
-        raise UnknownName("render_mode", str(render_mode), RENDER_MODES)
+    if render_mode not in (None, *modes):
+        raise UnknownName("render_mode", str(render_mode), modes)
+
+
+def screen(render_mode: str, model: Any) -> Screen:
+    """The screen of a render mode. Raises DependencyNotInstalled without what it needs."""
+    if render_mode == "human":
+        from twin.env.window import Window  # loads the window library
+
+        return Window(model)
+    return Camera(model)
 
 
 class Camera:
-    """Follows the tractor from the side."""
+    """Follows the tractor from the side; gives pictures (480, 640, 3)."""
 
     def __init__(self, model: Any) -> None:
         """Raises DependencyNotInstalled without a working OpenGL driver."""
@@ -37,12 +57,8 @@ class Camera:
                 "(Debian: apt install libegl1, or libosmesa6) and set MUJOCO_GL=egl (or osmesa) "
                 f"before Python starts. It said: {error}"
             ) from error
-        if model.nlight == 0:  # a machine without its scene stands in the dark
-            model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.45, 0.75
         self.view = mujoco.MjvCamera()
-        self.view.type = mujoco.mjtCamera.mjCAMERA_TRACKING
-        self.view.trackbodyid = model.body("tractor").id
-        self.view.distance, self.view.azimuth, self.view.elevation = 10.0, 125.0, -15.0
+        look_at_tractor(self.view, model)
 
     def of(self, batch: Any, i: int) -> NDArray[np.uint8]:
         """One tractor of a Batch on its own ground, (height, width, 3)."""
@@ -59,3 +75,13 @@ class Camera:
     def close(self) -> None:
         """Let go of the OpenGL context."""
         self.renderer.close()
+
+
+def look_at_tractor(view: Any, model: Any) -> None:
+    """Turn an eye to the tractor; a machine without its scene would stand in the dark."""
+    if model.nlight == 0:
+        model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.45, 0.75
+    view.type = mujoco.mjtCamera.mjCAMERA_TRACKING
+    view.trackbodyid = model.body("tractor").id
+    view.distance = DISTANCE_WHEELBASES * float(model.body("front_axle").pos[0])
+    view.azimuth, view.elevation = AZIMUTH_DEG, ELEVATION_DEG

@@ -12,15 +12,16 @@ from numpy.typing import NDArray
 
 from twin.env import grounds
 from twin.env.episodes import Episodes, checked
-from twin.env.rendering import RENDER_MODES, Camera
+from twin.env.rendering import FPS, Screen, screen
 
+RENDER_MODES = ["rgb_array", "human"]
 Observation = NDArray[np.float32]
 
 
 class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
     """Episodes of one tractor; a subclass says which."""
 
-    metadata = {"render_modes": RENDER_MODES, "render_fps": 50}  # noqa: RUF012  Gymnasium's name
+    metadata = {"render_modes": RENDER_MODES, "render_fps": FPS}  # noqa: RUF012  Gymnasium's name
 
     def _hold(self, episodes: Episodes, render_mode: str | None) -> None:
         """What a constructor ends with."""
@@ -28,7 +29,7 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         self.entries = episodes.entries
         self.observation_space = episodes.observation_space
         self.action_space = episodes.action_space
-        self.camera: Camera | None = None
+        self.screen: Screen | None = None
         self.running = False
 
     def reset(
@@ -47,6 +48,7 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         self.running = True
         true = self.episodes.fleet.true()
         info = {name: float(value[0]) for name, value in self.episodes.info(true).items()}
+        self._show()
         return self.episodes.observe(true)[0], info | ground.info(recipe)
 
     def step(
@@ -69,22 +71,28 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         named = self.episodes.info(true) | terms
         info = {name: float(value[0]) for name, value in named.items()}
         observation = self.episodes.observe(true)[0]
+        self._show()
         return observation, float(rewards[0]), bool(stalled[0]), False, info
 
     def render(self) -> NDArray[np.uint8] | None:
-        """The tractor as it stands, (480, 640, 3), or None without a render mode.
+        """The tractor as it stands: a picture (480, 640, 3), or None where it is in a window.
 
         Raises:
-            DependencyNotInstalled: there is no OpenGL driver.
+            DependencyNotInstalled: there is no OpenGL driver, or no display for a window.
         """
         if self.render_mode is None:
             return None
-        if self.camera is None:
-            self.camera = Camera(self.episodes.fleet.machine.model)
-        return self.camera.of(self.episodes.fleet.batch, 0)
+        if self.screen is None:
+            self.screen = screen(self.render_mode, self.episodes.fleet.machine.model)
+        return self.screen.of(self.episodes.fleet.batch, 0)
 
     def close(self) -> None:
         """Let go of the renderer."""
-        if self.camera is not None:
-            self.camera.close()
-            self.camera = None
+        if self.screen is not None:
+            self.screen.close()
+            self.screen = None
+
+    def _show(self) -> None:
+        """In a window, every control step is shown unasked."""
+        if self.render_mode == "human":
+            self.render()

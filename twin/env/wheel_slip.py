@@ -6,7 +6,7 @@ from gymnasium.utils import EzPickle
 
 from twin.env.pulling import Pulling
 from twin.env.rendering import check_mode
-from twin.env.single import SingleEnv
+from twin.env.single import RENDER_MODES, SingleEnv
 
 
 class WheelSlipEnv(SingleEnv):
@@ -33,7 +33,7 @@ class WheelSlipEnv(SingleEnv):
     | `observation` | "estimate" | "estimate": an estimator's output and a gyroscope; "sensors": the latest raw samples; "truth": what is true, for ablation |
     | `estimator` | "four-state" | for "estimate": a registered name, or `module:Name` |
     | `slip_target` | 0.15 | slip to hold at each rear wheel [-], 0.02 to 0.4 |
-    | `render_mode` | None | "rgb_array" |
+    | `render_mode` | None | "rgb_array": `render()` gives a picture; "human": a window, in the tractor's own time |
 
     ## Actions: `Box(-1, 1, (2,), float32)`, values outside are taken as the bound
 
@@ -164,5 +164,5 @@ class WheelSlipEnv(SingleEnv):
         render_mode: str | None = None,
     ) -> None:
         EzPickle.__init__(self, observation, estimator, slip_target, render_mode)
-        check_mode(render_mode)
+        check_mode(render_mode, RENDER_MODES)
         self._hold(Pulling(observation, estimator, slip_target), render_mode)

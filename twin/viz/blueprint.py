@@ -13,6 +13,7 @@ from twin.streams import Setup, Streams, Table
 from twin.viz.events import FIXED
 from twin.viz.paths import (
     ACCELERATION,
+    ACTIONS,
     CAMERA,
     DARK,
     DEPTH,
@@ -26,6 +27,7 @@ from twin.viz.paths import (
     LOADS,
     PATH,
     POWER,
+    REWARD,
     SENSED_DEPTH,
     SENSED_SPEED,
     SIDESLIP,
@@ -44,6 +46,7 @@ SLIP_PANEL: Panel = (SLIP, "Slip of the driven axle, ±2 sd", 4)
 SIDESLIP_PANEL: Panel = (SIDESLIP, "Sideslip at the centre of gravity [m], ±2 sd", 3)
 SPEED_PANEL: Panel = (SPEED, "Speed [m/s]", 3)
 FIX_PANEL: Panel = (FIX, "GNSS: quality and satellites", 2)
+CONTROL: tuple[Panel, ...] = ((ACTIONS, "Actions", 1), (REWARD, "Terms of the reward", 1))
 KINDS: dict[str, tuple[Panel, ...]] = {
     "ploughing": (SLIP_PANEL, SPEED_PANEL, (DRAFT, "Draft [kN]", 2), (DEPTH, "Depth [m]", 2)),
     "slope": (SIDESLIP_PANEL, SLIP_PANEL, SPEED_PANEL),
@@ -64,9 +67,18 @@ def kind(truth: Table, streams: Streams, scenario: Any) -> str:
 
 
 def simulated(
-    truth: Table, streams: Streams, setup: Setup, scenario: Any, *, frames: bool
+    truth: Table,
+    streams: Streams,
+    setup: Setup,
+    scenario: Any,
+    *,
+    frames: bool,
+    control: bool = False,
 ) -> rrb.Blueprint:
-    """3D view left, riding with the tractor; what matters for this kind of run right."""
+    """3D view left, riding with the tractor; what matters for this kind of run right.
+
+    With control, actions and reward are plotted in place of what the sensors gave.
+    """
     which = kind(truth, streams, scenario)
     scale = setup.wheelbase_m / 2.55
     behind = which == "slope"
@@ -89,19 +101,17 @@ def simulated(
     left: list[Any] = [scene, rrb.TextLogView(origin=EVENTS, name="Events")]
     if frames:
         left[1] = rrb.Horizontal(rrb.Spatial2DView(origin=CAMERA, name="Camera"), left[1])
+    sensed = (
+        (SENSED_SPEED, "Speeds as sensed [m/s]", 3),
+        FIX_PANEL,
+        (GYRO, "Rates [rad/s]", 2),
+        (ACCELERATION, "Accelerations [m/s²]", 2),
+        *(((SENSED_DEPTH, "Depth as sensed [m]", 2),) if setup.depth else ()),
+    )
     tabs = rrb.Tabs(
         _plots(KINDS[which], truth, "Estimates"),
         _plots(
-            (
-                (SENSED_SPEED, "Speeds as sensed [m/s]", 3),
-                FIX_PANEL,
-                (GYRO, "Rates [rad/s]", 2),
-                (ACCELERATION, "Accelerations [m/s²]", 2),
-                *(((SENSED_DEPTH, "Depth as sensed [m]", 2),) if setup.depth else ()),
-            ),
-            truth,
-            "Sensors",
-            legends=True,
+            CONTROL if control else sensed, truth, "Control" if control else "Sensors", legends=True
         ),
         _plots(
             (

@@ -21,6 +21,7 @@ EVENTS = "events"
 SLIP, SPEED, SIDESLIP, DRAFT, DEPTH = (
     "plots/slip", "plots/speed", "plots/sideslip", "plots/draft", "plots/depth",
 )  # fmt: skip
+ACTIONS, REWARD = "plots/actions", "plots/reward"
 WHEELS, LOADS, POWER = "plots/wheel_slip", "plots/wheel_load", "plots/power"
 SENSED_SPEED, FIX, GYRO, ACCELERATION, SENSED_DEPTH = (
     "sensors/speed", "sensors/fix", "sensors/gyro", "sensors/acceleration", "sensors/depth",

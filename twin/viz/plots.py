@@ -15,12 +15,14 @@ from twin.streams import WHEELS as WHEEL_NAMES
 from twin.streams import Setup, Streams, Table
 from twin.viz.paths import (
     ACCELERATION,
+    ACTIONS,
     DEPTH,
     DRAFT,
     FIX,
     GYRO,
     LOADS,
     POWER,
+    REWARD,
     SENSED_DEPTH,
     SENSED_SPEED,
     SIDESLIP,
@@ -67,6 +69,16 @@ def plot_truth(recording: rr.RecordingStream, truth: Mapping[str, Array]) -> Non
         _plot(recording, f"{LOADS}/{wheel}", rows, f"load_{wheel}_n", wheel, colour, scale=1e-3)
     for (key, name), colour in zip(POWERS.items(), FOUR, strict=True):
         _plot(recording, f"{POWER}/{name}", rows, f"power_{key}_w", name, colour, scale=1e-3)
+
+
+def plot_control(recording: rr.RecordingStream, control: Mapping[str, Array]) -> None:
+    """Actions in [-1, 1], and the terms of the reward, which are columns `reward_<term>`."""
+    names = [name for name in control if name != "epoch_ns"]
+    terms = [name for name in names if name.startswith("reward_")]
+    for entity, chosen in ((ACTIONS, [n for n in names if n not in terms]), (REWARD, terms)):
+        for column, colour in zip(chosen, FOUR, strict=False):
+            name = column.removeprefix("reward_")
+            _plot(recording, f"{entity}/{name}", control, column, name, colour)
 
 
 def plot_sensors(recording: rr.RecordingStream, streams: Streams, setup: Setup) -> None:

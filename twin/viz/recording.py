@@ -27,7 +27,12 @@ NOTHING: Table = {"epoch_ns": np.zeros(1, np.int64)}
 
 
 def record(
-    run: RunLike, path: Path, *, model: Any | None = None, ground: Ground | None = None
+    run: RunLike,
+    path: Path,
+    *,
+    model: Any | None = None,
+    ground: Ground | None = None,
+    control: Table | None = None,
 ) -> None:
     """Write a simulated run as a recording.
 
@@ -36,12 +41,15 @@ def record(
         path: the .rrd file.
         model: compiled mujoco.MjModel whose visual geoms are drawn; None draws the path alone.
         ground: what it drives on; None is a level plane.
+        control: a controller's actions, and the terms `reward_<term>` of what they earned.
     """
     truth, streams, scenario = run.truth, run.streams, run.scenario
     assert truth is not None, "a simulated run has its truth"
     ground = ground or Ground()
     frames = getattr(run, "frames", None)
-    screen = simulated(truth, streams, run.setup, scenario, frames=bool(frames))
+    screen = simulated(
+        truth, streams, run.setup, scenario, frames=bool(frames), control=bool(control)
+    )
     lower_m = (run.setup.wheels.radius_m.get("rl", 0.8) if run.setup.wheels else 0.8) - 0.05
     scale = run.setup.wheelbase_m / LARGE_M
     with _Recording(path, screen) as recording:
@@ -61,6 +69,7 @@ def record(
             log_frames(recording, streams, frames)
         log_events(recording, events(truth, streams, scenario, getattr(run, "ended", "")))
         _plot(recording, streams, run.setup, run.estimates, truth)
+        plots.plot_control(recording, control or {})
 
 
 def log(

@@ -1,0 +1,29 @@
+"""Infos of many tractors: arrays over all, each with a mask of whom it concerns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Infos = dict[str, Any]
+
+
+def columns(rows: Sequence[Infos], ids: Sequence[int], mask: NDArray[np.bool_]) -> Infos:
+    """Infos of the tractors in the mask as arrays over all, as Gymnasium's `_add_info` fills."""
+    infos: Infos = {}
+    for name, first in rows[0].items():
+        column = np.zeros(len(mask)) if isinstance(first, float) else np.empty(len(mask), object)
+        for i, row in zip(ids, rows, strict=True):
+            column[i] = row[name]
+        infos[name], infos[f"_{name}"] = column, mask.copy()
+    return infos
+
+
+def add(infos: Infos, values: Mapping[str, Any], mask: NDArray[np.bool_]) -> None:
+    """Values of the tractors in the mask, 0 for the others, with the mask beside them."""
+    for name, value in values.items():
+        infos[name], infos[f"_{name}"] = np.zeros(len(mask)), mask.copy()
+        infos[name][mask] = value

@@ -1,0 +1,181 @@
+"""Many tractors at once, whatever is asked of them: seeds, parts, autoreset."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.error import ResetNeeded
+from gymnasium.utils import EzPickle, seeding
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from twin.env import grounds
+from twin.env.episodes import Episodes, checked
+from twin.env.infos import Infos, add, columns
+from twin.env.rendering import FPS, Camera
+from twin.errors import BadInput
+
+RENDER_MODES = ["rgb_array"]
+Observations = NDArray[np.float32]
+Stepped = tuple[Observations, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], Infos]
+
+
+class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPickle):
+    """Episodes of many tractors side by side; a subclass says which."""
+
+    metadata: dict[str, Any] = {  # noqa: RUF012  Gymnasium's name
+        "render_modes": RENDER_MODES,
+        "render_fps": FPS,
+        "autoreset_mode": AutoresetMode.NEXT_STEP,
+    }
+
+    def _hold(
+        self,
+        episodes: Episodes,
+        render_mode: str | None,
+        max_episode_steps: int | None,
+        mode: AutoresetMode,
+    ) -> None:
+        """What a constructor ends with."""
+        self.episodes, self.render_mode = episodes, render_mode
+        self.num_envs = num_envs = len(episodes.actions)
+        self.limit, self.mode = max_episode_steps, mode
+        self.metadata = {**type(self).metadata, "autoreset_mode": self.mode}
+        self.entries = episodes.entries
+        self.single_observation_space = episodes.observation_space
+        self.single_action_space = episodes.action_space
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.generators: list[Generator | None] = [None] * num_envs
+        self.elapsed = np.zeros(num_envs, dtype=np.int64)
+        self.ended = np.zeros(num_envs, dtype=np.bool_)
+        self.seen = np.zeros(self.observation_space.shape or (), dtype=np.float32)
+        self.running = False
+        self.camera: Camera | None = None
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[Observations, Infos]:
+        """Begin episodes of all tractors, or of those in the option `reset_mask`.
+
+        Args:
+            seed: of the first tractor, the next has the next; or one for each, None to draw on.
+            options: those of the single environment, and `reset_mask`, a boolean array (num_envs,).
+
+        Raises:
+            UnknownName, BadInput, OutOfRange: an option, a seed or a mask that cannot be.
+        """
+        named = dict(options or {})
+        mask = self._mask(named.pop("reset_mask", None))
+        chosen = grounds.check_options(named, self.episodes.recipe)
+        self._seed(seed, mask)
+        infos = self._begin(mask, chosen)
+        self.running = True
+        add(infos, self._look(mask), mask)
+        return self.seen.copy(), infos
+
+    def step(self, actions: NDArray[np.float32]) -> Stepped:
+        """Drive all for 20 ms; what has ended begins anew as the autoreset mode says.
+
+        Raises:
+            BadInput: actions of the wrong shape, or not finite.
+            Diverged: the simulation left the finite numbers; reset to go on.
+        """
+        taken = checked(actions, (self.num_envs,), self.episodes.actions_named)
+        again = self.ended.copy()
+        if not self.running or (self.mode is AutoresetMode.DISABLED and again.any()):
+            raise ResetNeeded("call reset() before step(), for every tractor whose episode ended")
+        self.running = False  # until the step has gone well
+        terminations = self.episodes.advance(taken) & ~again
+        self.elapsed += 1
+        infos = self._begin(again, {}) if again.any() else {}
+        truncations = np.zeros(self.num_envs, dtype=np.bool_)
+        if self.limit is not None:
+            truncations = self.elapsed >= self.limit
+        self.running, self.ended = True, terminations | truncations
+        true = self.episodes.fleet.true()
+        rewards, terms = self.episodes.rewards(true)
+        add(infos, {name: value[~again] for name, value in terms.items()}, ~again)
+        self.seen, known = self.episodes.observe(true), self.episodes.info(true)
+        add(infos, known, np.ones(self.num_envs, dtype=np.bool_))
+        if self.mode is AutoresetMode.SAME_STEP and self.ended.any():
+            self._begin_at_once(self.ended.copy(), known | terms, infos)
+        return self.seen.copy(), np.where(again, 0.0, rewards), terminations, truncations, infos
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """A picture of each tractor, or None without a render mode."""
+        if self.render_mode is None:
+            return None
+        fleet = self.episodes.fleet
+        if self.camera is None:
+            self.camera = Camera(fleet.machine.model)
+        return tuple(self.camera.of(fleet.batch, i) for i in range(self.num_envs))
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Let go of the renderer."""
+        if self.camera is not None:
+            self.camera.close()
+            self.camera = None
+
+    def _mask(self, mask: Any) -> NDArray[np.bool_]:
+        if mask is None:
+            return np.ones(self.num_envs, dtype=np.bool_)
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+            raise BadInput("option reset_mask is not a numpy array of booleans")
+        if mask.shape != (self.num_envs,) or not mask.any():
+            raise BadInput(
+                f"option reset_mask has shape {mask.shape} and {mask.sum()} true; "
+                f"give shape ({self.num_envs},) with one true at least"
+            )
+        if not (self.running or mask.all()):
+            raise BadInput("option reset_mask before the first reset of all; reset all once")
+        return mask
+
+    def _seed(self, seed: int | Sequence[int | None] | None, mask: NDArray[np.bool_]) -> None:
+        """New generators where a seed is given, or where there is none yet."""
+        if isinstance(seed, (int, np.integer)):
+            seed = [int(seed) + i for i in range(self.num_envs)]
+        if seed is not None and len(seed) != self.num_envs:
+            raise BadInput(f"{len(seed)} seeds for {self.num_envs} tractors; give one for each")
+        for i in np.flatnonzero(mask).tolist():
+            own = None if seed is None else seed[i]
+            if own is not None or self.generators[i] is None:
+                self.generators[i] = seeding.np_random(own)[0]
+
+    def _begin(self, mask: NDArray[np.bool_], options: Mapping[str, Any]) -> Infos:
+        """New episodes of the tractors in the mask; their grounds as infos."""
+        ids = np.flatnonzero(mask).tolist()
+        lies, recipe = self.episodes.lies, self.episodes.recipe
+        drawn = [grounds.draw(g, options, lies, recipe) for i in ids if (g := self.generators[i])]
+        self.episodes.begin(ids, drawn)
+        self.elapsed[mask], self.ended[mask] = 0, False
+        return columns([ground.info(recipe) for ground in drawn], ids, mask)
+
+    def _look(self, mask: NDArray[np.bool_]) -> Infos:
+        """Observe the tractors in the mask, who have just begun; what is known of them."""
+        ids = np.flatnonzero(mask)
+        true = self.episodes.fleet.true(ids)
+        self.seen[ids] = self.episodes.observe(true, ids)
+        return self.episodes.info(true)
+
+    def _begin_at_once(self, ended: NDArray[np.bool_], last: Infos, infos: Infos) -> None:
+        """SAME_STEP: what was last seen goes to the infos, and the ended begin anew."""
+        final, final_info = np.full(self.num_envs, None, dtype=object), Infos()
+        for i in np.flatnonzero(ended):
+            final[i] = self.seen[i].copy()
+        add(final_info, {name: value[ended] for name, value in last.items()}, ended)
+        infos |= self._begin(ended, {})
+        for name, value in self._look(ended).items():
+            infos[name][ended] = value
+        for name in last:
+            if name.startswith("reward_"):
+                infos[name][ended], infos[f"_{name}"][ended] = 0.0, False
+        infos |= {"final_obs": final, "_final_obs": ended}
+        infos |= {"final_info": final_info, "_final_info": ended.copy()}

@@ -1,0 +1,129 @@
+"""Record the episodes of an environment for the rerun viewer."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium import Env, Wrapper
+from numpy.typing import NDArray
+
+from twin import sensors, truth, viz
+from twin.env.single import Observation, SingleEnv
+from twin.machine.build import build
+from twin.machine.columns import Recorder
+from twin.machine.geometry import geometry
+from twin.machine.trajectory import Trajectory
+from twin.runfolder import Record
+from twin.scenario import Scenario
+from twin.streams import ESTIMATES, Streams, Table
+
+TOWED = ("draft_n", "axle_torque_nm")
+"""What an electric tractor's callback does not know of, and its fleet does."""
+
+
+class Recording(Wrapper[Observation, NDArray[np.float32], Observation, NDArray[np.float32]]):
+    """Writes each episode as `episode_<number>.rrd`: the tractor on its ground, slip, reward.
+
+    ```
+    env = Recording(gymnasium.make("twin.env:Plough-v0"), Path("episodes"))
+    ```
+
+    An episode is written when it has ended, and one not ended at the next reset or `close`.
+    """
+
+    def __init__(self, env: Env[Observation, NDArray[np.float32]], directory: Path) -> None:
+        """Args: env: one tractor's, of either id. directory: made where there is none."""
+        super().__init__(env)
+        self.single: SingleEnv = env.unwrapped  # type: ignore[assignment]
+        self.directory, self.number = directory, 0
+        self.moments: list[dict[str, Any]] = []
+
+    def reset(self, **arguments: Any) -> tuple[Observation, dict[str, Any]]:
+        """As the environment's."""
+        self._write()
+        observation, info = super().reset(**arguments)
+        self._keep(observation, {})
+        return observation, info
+
+    def step(
+        self, action: NDArray[np.float32]
+    ) -> tuple[Observation, Any, bool, bool, dict[str, Any]]:
+        """As the environment's."""
+        observation, reward, terminated, truncated, info = super().step(action)
+        self._keep(observation, info)
+        if terminated or truncated:
+            self._write()
+        return observation, reward, terminated, truncated, info
+
+    def close(self) -> None:
+        """As the environment's."""
+        self._write()
+        super().close()
+
+    def _keep(self, observation: Observation, info: dict[str, Any]) -> None:
+        """What this instant looks like."""
+        episodes = self.single.episodes
+        fleet, now = episodes.fleet, episodes.fleet.true()
+        moment: dict[str, Any] = {name: float(now[name][0]) for name in TOWED}
+        moment |= {"sensordata": fleet.sensordata[0].copy(), "userdata": fleet.slots[0].copy()}
+        moment |= zip(episodes.actions_named, episodes.actions[0], strict=True)
+        names = [f"reward_{name}" for name in episodes.terms(now)]
+        moment |= {name: info.get(name, 0.0) for name in names}
+        seen = zip(self.single.entries, observation, strict=True)
+        moment |= {f"seen.{entry.name}": float(value) for entry, value in seen}
+        self.moments.append(moment)
+
+    def _write(self) -> None:
+        """Write what was kept as an episode; nothing of one in which nothing happened."""
+        kept, self.moments = self.moments, []
+        if len(kept) < 2:
+            return
+        columns = {name: np.array([moment[name] for moment in kept]) for name in kept[0]}
+        machine = self.single.episodes.fleet.machine
+        scenario = self._scenario()
+        table = self._truth(columns)
+        clock = {"epoch_ns": table["epoch_ns"]}
+        estimate = {n: columns[f"seen.{n}"] for n in ESTIMATES if f"seen.{n}" in columns}
+        chosen = (*self.single.episodes.actions_named, *(n for n in columns if "reward_" in n))
+        self.directory.mkdir(parents=True, exist_ok=True)
+        shown = build(replace(machine.scenario, field=scenario.field), looks=True, settle=False)
+        viz.record(
+            Record(
+                scenario=scenario,
+                setup=sensors.setup(machine.scenario.sensors, geometry(machine)),
+                streams=Streams({}),
+                truth=table,
+                estimates={"seen": clock | estimate} if "slip_sd" in estimate else {},
+            ),
+            self.directory / f"episode_{self.number}.rrd",
+            model=shown.model,
+            ground=viz.Ground(world_from_ground=shown.world_from_ground),
+            control=clock | {name: columns[name] for name in chosen},
+        )
+        self.number += 1
+
+    def _truth(self, columns: dict[str, NDArray[Any]]) -> Table:
+        """Truth at every control step."""
+        episodes = self.single.episodes
+        recorder = Recorder(episodes.fleet.machine)
+        recorder.normal = episodes.fleet.world_from_ground[0, :, 2]
+        record = {name: columns[name][None] for name in ("sensordata", "userdata")}
+        close = recorder.trajectory([record])  # as if of consecutive physics steps
+        apart = Trajectory(np.arange(len(close), dtype=np.int64) * truth.PERIOD_NS, close.columns)
+        table = truth.sample(apart, geometry(episodes.fleet.machine).driven)
+        return truth.integrate(table, None) | {name: columns[name] for name in TOWED}
+
+    def _scenario(self) -> Scenario:
+        """The machine's scenario on the episode's ground."""
+        episodes = self.single.episodes
+        start, ground = episodes.begun[0]
+        patches = tuple(replace(p, start_m=start.along_m + p.start_m) for p in ground.patches)
+        return replace(
+            episodes.fleet.machine.scenario,
+            soil=ground.soil,
+            field=replace(ground.lie.field(), patches=patches),
+            seed=ground.pattern_seed,
+        )
