@@ -86,11 +86,15 @@ def _report(found: Sequence[Mapping[str, Any]], options: CompareControllers) -> 
 
 
 def print_comparison(found: Sequence[Mapping[str, Any]], names: Sequence[str], count: int) -> None:
-    """A line for each controller, a column for each quantity, mean and half its interval."""
+    """A line for each controller, a column for each quantity, mean and half its interval.
+
+    Of the paired differences the reward's alone; the rows hold all.
+    """
     from rich import box
     from rich.table import Table
 
-    quantities = list(dict.fromkeys(row["quantity"] for row in found))
+    named = dict.fromkeys(row["quantity"] for row in found)
+    quantities = [n for n in named if "paired" not in n or n.startswith("reward")]
     title = f"{count} held-out grounds, the same for all; mean ± half the 95 % interval"
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=title, title_justify="left")
     table.add_column("controller")

@@ -15,6 +15,9 @@ from twin.rows import row
 
 Array = NDArray[np.float64]
 
+PAIRED = " less that of {}, paired"
+"""What a quantity's row is called that holds a difference, ground by ground."""
+
 
 def compare(
     controllers: Mapping[str, Controller],
@@ -63,7 +66,7 @@ def interval(values: Array) -> tuple[float, float]:
 def rows(
     measured: Mapping[str, Mapping[str, Array]], against: Sequence[str] = ("pi",)
 ) -> list[dict[str, Any]]:
-    """Means with their intervals, and the paired differences of reward to some controllers.
+    """Means with their intervals, and the paired differences of each to some controllers.
 
     The interval stands in `low` and `high` of the row.
     """
@@ -75,8 +78,10 @@ def rows(
     for other in against:
         for name in measured:
             if other in measured and name != other:
-                difference = measured[name]["reward"] - measured[other]["reward"]
-                out.append(_row(name, f"reward less that of {other}, paired", difference, "1"))
+                for quantity, values in measured[name].items():
+                    difference = values - measured[other][quantity]
+                    unit = (QUANTITIES | PULL_QUANTITIES)[quantity]
+                    out.append(_row(name, quantity + PAIRED.format(other), difference, unit))
     return out
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.control.controllers import BASELINES, Controller, Seen
-from twin.control.torques import TorquePI
+from twin.control.torques import TORQUE_BASELINES
 from twin.errors import BadInput
 
 Array = NDArray[np.float64]
@@ -28,8 +28,13 @@ SMOOTHING_S = 1.0
 """Time constant of the slow slips a policy sees beside the slips [s]."""
 
 
+def draft_n(seen: Seen) -> Array:
+    """The draft by the pin in the hitch, or the true one where that is what is seen [N]."""
+    return seen["draft_pin_n"] if "draft_pin_n" in seen else seen["draft_n"]
+
+
 def plough_features(seen: Seen, slow: Seen) -> list[Array]:
-    """Slip, speeds, depth, engine and controls of Plough-v0."""
+    """Slip, speeds, depth, draft, engine and controls of Plough-v0."""
     target, depth_m = seen["slip_target"], np.maximum(seen["depth_m"], 0.0)
     return [
         (seen["slip"] - target) / 0.1,
@@ -37,6 +42,7 @@ def plough_features(seen: Seen, slow: Seen) -> list[Array]:
         seen["speed_mps"] / 2.0 - 0.8,
         seen["wheel_speed_mps"] / 2.0 - 0.8,
         (depth_m - seen["depth_target_m"]) / 0.05,
+        draft_n(seen) / 2e4,
         seen["engine_radps"] / 50.0 - 3.2,
         seen["throttle"],
         seen["lift_set_rad"] * 5.0,
@@ -76,9 +82,9 @@ class Task:
 
 
 TASKS = {
-    "Plough-v0": Task(BASELINES["pi"], (0.4, 0.25), plough_features, 10, ("slip",)),
+    "Plough-v0": Task(BASELINES["pi"], (0.6, 0.25), plough_features, 11, ("slip",)),
     "WheelSlip-v0": Task(
-        TorquePI(feed=0.6, kp=0.5, ki_ps=8.0),
+        TORQUE_BASELINES["pi"],
         (0.25, 0.25),
         torque_features,
         9,

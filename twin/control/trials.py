@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from twin.control.controllers import BASELINES, Controller
 from twin.control.torques import TORQUE_BASELINES
+from twin.env.many import ManyEnv
 from twin.env.ploughing import Ploughing
-from twin.env.vector import ManyEnv, PloughVectorEnv, WheelSlipVectorEnv
+from twin.env.vector import PloughVectorEnv, WheelSlipVectorEnv
 
 Array = NDArray[np.float64]
 
