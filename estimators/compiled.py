@@ -40,9 +40,9 @@ def _njit(function: Callable[P, R], forceinline: bool) -> Callable[P, R]:
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(cache_folder())
     try:
-        compiled_function: Callable[P, R] = numba.njit(cache=True, forceinline=forceinline)(
-            function
-        )
+        compiled_function: Callable[P, R] = numba.njit(
+            cache=True, nogil=True, forceinline=forceinline
+        )(function)
     finally:
         numba.config.CACHE_DIR = before
     return compiled_function

@@ -8,6 +8,7 @@ import pytest
 from estimators import REGISTRY
 from twin import registry
 from twin.errors import BadInput, UnknownName
+from twin.run import run
 from twin.streams import Setup, Streams
 
 MINE = Path(__file__).parent / "estimators" / "mine.py"
@@ -31,6 +32,35 @@ def message(kind, spec):
         registry.load(kind, spec)
     assert "\n" not in str(caught.value)
     return str(caught.value)
+
+
+HEAD = "from dataclasses import dataclass\n@dataclass\nclass Own:\n name: str = 'own'\n"
+
+
+@pytest.mark.parametrize(
+    ("source", "spec", "says"),
+    [
+        ("Own = 3", "own:Own", "is int; it must be a twin.scenario.Scenario"),
+        (HEAD + " seed: int = 0", "own:Own", "is Own; it must be"),
+        (HEAD + " def measure(self): pass", "own:Own", "has no seed"),
+        ("class Own:\n def __init__(self, x): pass", "own:Own", "cannot be made: TypeError"),
+        (
+            "class Own:\n name, seed, measure = 'own', 0, print",
+            "own:Own",
+            "or a dataclass with name",
+        ),
+    ],
+)
+def test_what_is_no_scenario_is_told_in_one_line(folder, source, spec, says):
+    (folder / "own.py").write_text(source)
+    assert says in message("scenario", spec)
+
+
+def test_signals_that_fail_say_where(folder):
+    body = " seed: int = 0\n def measure(self):\n  return {}['x']\n"
+    (folder / "own.py").write_text(HEAD + body)
+    with pytest.raises(BadInput, match=r"'own': measure fails: KeyError: 'x' \(own.py, line 7\)"):
+        run(registry.load("scenario", "own:Own"), estimators={})
 
 
 @pytest.mark.parametrize("name", REGISTRY)

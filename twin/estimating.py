@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import sys
-import traceback
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from twin.errors import BadInput, TwinError
-from twin.lookup import line
+from twin.lookup import line, where
 from twin.streams import Setup, Streams, Table
 
 
@@ -31,7 +28,7 @@ def estimates(name: str, estimator: Any, setup: Setup, streams: Streams) -> Tabl
     except TwinError:
         raise
     except Exception as error:  # whatever a user's estimator raises
-        text = f"estimator '{name}' fails: {line(error)}{_where(error, estimator)}"
+        text = f"estimator '{name}' fails: {line(error)}{where(error, estimator)}"
         raise BadInput(text) from error
     if not (isinstance(given, tuple) and len(given) == 2 and isinstance(given[1], Mapping)):
         kind = type(given).__name__
@@ -46,12 +43,3 @@ def estimates(name: str, estimator: Any, setup: Setup, streams: Streams) -> Tabl
                 "every column needs one value for each epoch"
             )
     return table
-
-
-def _where(error: Exception, estimator: Any) -> str:
-    """` (mine.py, line 12)`: the deepest line in the estimator's file, or the deepest of all."""
-    frames = traceback.extract_tb(error.__traceback__)
-    module = sys.modules.get(type(estimator).__module__)
-    own = [f for f in frames if f.filename == getattr(module, "__file__", None)]
-    frame = (own or list(frames))[-1]
-    return f" ({Path(frame.filename).name}, line {frame.lineno})"

@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 import os
 import sys
+import traceback
+from pathlib import Path
 from typing import Any
 
 from twin.errors import BadInput, UnknownName
@@ -46,6 +48,15 @@ def _module(kind: str, spec: str, module: str) -> Any:
         raise BadInput(f"{kind} '{spec}': {module} cannot be imported: {error}") from None
     except Exception as error:  # whatever a user's module raises while it is imported
         raise BadInput(f"{kind} '{spec}': {module} cannot be imported: {line(error)}") from None
+
+
+def where(error: BaseException, thing: Any) -> str:
+    """` (mine.py, line 12)`: the deepest line in a thing's own file, or the deepest of all."""
+    frames = traceback.extract_tb(error.__traceback__)
+    module = sys.modules.get(type(thing).__module__)
+    own = [f for f in frames if f.filename == getattr(module, "__file__", None)]
+    frame = (own or list(frames))[-1]
+    return f" ({Path(frame.filename).name}, line {frame.lineno})"
 
 
 def line(error: BaseException) -> str:

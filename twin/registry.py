@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib
 from collections.abc import Mapping
 from pathlib import Path
@@ -23,12 +24,12 @@ def load(kind: str, spec: str) -> Any:
     """The thing a registered name or a `module:Name` stands for.
 
     `module:` alone means the module itself. The working directory is added to the end of the
-    import path, so nothing in it shadows an installed package. A class of estimator is made into
-    an instance.
+    import path, so nothing in it shadows an installed package. A class is made into an
+    instance.
 
     Raises:
         UnknownName: no such kind, or no such name and it is no `module:Name`.
-        BadInput: the module cannot be imported, lacks the attribute, or it is no estimator.
+        BadInput: the module cannot be imported, lacks the attribute, or it is none of the kind.
     """
     known = _registry(kind)
     if ":" not in spec:
@@ -38,7 +39,7 @@ def load(kind: str, spec: str) -> Any:
             raise UnknownName(kind, spec, known)
         spec = known[spec]
     found = attribute(kind, spec)
-    return _estimator(spec, found) if kind == "estimator" else found
+    return (_estimator if kind == "estimator" else _scenario)(spec, found)
 
 
 def _registry(kind: str) -> Mapping[str, str]:
@@ -48,12 +49,31 @@ def _registry(kind: str) -> Mapping[str, str]:
     return registry
 
 
+def _scenario(spec: str, found: Any) -> Any:
+    found = _instance("scenario", spec, found)
+    drives = hasattr(found, "machine") or callable(getattr(found, "measure", None))
+    if not (drives and dataclasses.is_dataclass(found)):
+        raise BadInput(
+            f"scenario '{spec}' is {type(found).__name__}; it must be a twin.scenario.Scenario, "
+            "or a dataclass with name, seed and measure() -> (setup, streams, truth)"
+        )
+    lacking = [name for name in ("name", "seed") if not hasattr(found, name)]
+    if lacking:
+        raise BadInput(f"scenario '{spec}' has no {' and no '.join(lacking)}")
+    return found
+
+
+def _instance(kind: str, spec: str, found: Any) -> Any:
+    if not isinstance(found, type):
+        return found
+    try:
+        return found()
+    except Exception as error:  # whatever a user's constructor raises
+        raise BadInput(f"{kind} '{spec}' cannot be made: {line(error)}") from None
+
+
 def _estimator(spec: str, found: Any) -> Any:
-    if isinstance(found, type):
-        try:
-            found = found()
-        except Exception as error:  # whatever a user's constructor raises
-            raise BadInput(f"estimator '{spec}' cannot be made: {line(error)}") from None
+    found = _instance("estimator", spec, found)
     lacking = [name for name in ("init", "run") if not callable(getattr(found, name, None))]
     if lacking:
         raise BadInput(

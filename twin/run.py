@@ -17,6 +17,8 @@ from twin import estimating, sensors, truth
 from twin.camera import tracking
 from twin.camera.frames import DrawnFrames
 from twin.camera.tracking import Tracker
+from twin.errors import BadInput, TwinError
+from twin.lookup import line, where
 from twin.machine import calibration
 from twin.machine.build import Machine, build
 from twin.machine.driver import FULL_DEPTH
@@ -92,7 +94,7 @@ def run(
         frames: folder where the camera's frames are saved as PNG.
 
     Raises:
-        BadInput: an estimator fails; says which and where.
+        BadInput: an estimator or the signals fail; says which and where.
         Diverged: the simulation left the finite numbers; its evidence repeats the last second.
     """
     start = time.perf_counter()
@@ -104,7 +106,7 @@ def run(
         streams, true, kept = sense(machine, nominal.driven, progress or _silent, frames)
         ended, said = _ended(machine, true), notes(machine)
     else:
-        setup, streams, true = scenario.measure()
+        setup, streams, true = _measured(scenario)
     start_ns = int(true["epoch_ns"][0])
     estimates = {
         name: _of_the_run(estimating.estimates(name, estimator, setup, streams), start_ns)
@@ -112,6 +114,18 @@ def run(
     }
     wall_s = time.perf_counter() - start
     return Run(scenario, setup, streams, true, estimates, wall_s, ended, kept, said)
+
+
+def _measured(scenario: Measured) -> tuple[Setup, Streams, Table]:
+    """The signals of a scenario without a machine. Raises BadInput where they cannot be had."""
+    try:
+        setup, streams, true = scenario.measure()
+    except TwinError:
+        raise
+    except Exception as error:  # whatever a user's scenario raises
+        text = f"scenario '{scenario.name}': measure fails: {line(error)}{where(error, scenario)}"
+        raise BadInput(text) from error
+    return setup, streams, true
 
 
 def _silent(fraction: float, driven_s: float) -> None:

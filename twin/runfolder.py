@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -77,8 +78,9 @@ Picture = Callable[[RunLike, Mapping[str, Any], Path], None]
 
 
 def default_directory(name: str, seed: int) -> Path:
-    """runs/<name>-seed<N> below the working directory."""
-    return Path("runs") / f"{name}-seed{seed}"
+    """runs/<name>-seed<N> below the working directory; what is no part of a name becomes -."""
+    plain = re.sub(r"[^\w.+-]", "-", name)
+    return Path("runs") / f"{plain}-seed{seed}"
 
 
 def refuse_foreign(directory: Path) -> None:

@@ -20,10 +20,14 @@ class Match:
     """The matcher's own measure in [0, 1]: correlation, or share of inliers."""
     turns: bool = True
     """Whether the map's rotation was measured."""
+    stretches: bool = False
+    """Whether its stretching was."""
 
 
-Matcher = Callable[[Picture, Picture, float], Match | None]
-"""matcher(previous, current, turn_rad) -> Match, or None where none was found.
+Matcher = Callable[[Picture, Picture, float, Array | None], Match | None]
+"""matcher(previous, current, turn_rad, moved_px) -> Match, or None where none was found.
 
-`turn_rad` is the gyro's rotation of the camera about its optical axis from previous to current.
+`turn_rad` is the gyro's rotation of the camera about its optical axis from previous to current;
+`moved_px` is where the principal point was in the previous picture, beside its place, if the camera
+goes on as it did; None where that is unknown.
 """

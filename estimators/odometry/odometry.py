@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from estimators.odometry import lens as optics
 from estimators.odometry import orb, phase_ecc
 from estimators.odometry.lens import Array, Lens, Picture, Reason
 from estimators.odometry.match import Match, Matcher
+from estimators.odometry.tilt import Tilt, seen
 
 METHODS: dict[str, Matcher] = {
     "orb-printed": orb.match_printed,
@@ -38,6 +39,10 @@ class State:
     """Its own size."""
     turn_rad: Array | None
     """Rotation of the body since then, as a vector in body axes; None where no gyros tell it."""
+    moved_pxps: Array | None = None
+    """Of the principal point, back from the last picture to the one before, per second."""
+    tilt: Tilt = field(default_factory=Tilt)
+    """How far the camera looks aside."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,14 +101,22 @@ def step(
     previous, shape = state.picture, frame.shape[:2]
     after = replace(state, epoch_ns=epoch_ns, picture=picture, shape=shape, turn_rad=np.zeros(3))
     if previous is None or epoch_ns - state.epoch_ns > LONGEST_NS or epoch_ns <= state.epoch_ns:
-        return after, nothing(epoch_ns, Reason.FIRST)
+        return replace(after, moved_pxps=None), nothing(epoch_ns, Reason.FIRST)
     if state.shape != shape:
-        return after, nothing(epoch_ns, Reason.SIZE)
+        return replace(after, moved_pxps=None), nothing(epoch_ns, Reason.SIZE)
     if np.array_equal(previous, picture):
         return state, nothing(epoch_ns, Reason.FROZEN)
-    match = METHODS[state.method](previous, picture, float(_camera_turn(state)[2]))
+    interval_s = (epoch_ns - state.epoch_ns) * 1e-9
+    moved_px = None if state.moved_pxps is None else state.moved_pxps * interval_s
+    angle_rad = float(_camera_turn(state)[2])
+    match = METHODS[state.method](previous, picture, angle_rad, moved_px)
     if match is None:
-        return after, nothing(epoch_ns, Reason.UNMATCHED)
+        return replace(after, moved_pxps=None), nothing(epoch_ns, Reason.UNMATCHED)
+    warp, centre = match.previous_from_current, optics.centre_px(picture.shape)
+    after = replace(after, moved_pxps=(warp[:, :2] @ centre + warp[:, 2] - centre) / interval_s)
+    if match.stretches:
+        tilt = seen(state.tilt, warp, picture.shape, _focal(state, picture), interval_s)
+        state, after = replace(state, tilt=tilt), replace(after, tilt=tilt)
     return after, motion(state, epoch_ns, picture, match)
 
 
@@ -123,13 +136,14 @@ def motion(state: State, epoch_ns: int, picture: Picture, match: Match) -> Motio
         P = (h / f / dt)^2 var I + (sd_h / h)^2 v v^T
 
     W maps the current picture to the previous, c is the principal point, R the camera's rotation by
-    the gyros, a its turn about the optical axis, B turns picture axes into body axes, h is the
+    the gyros, a its turn about the ground's normal, to which the camera is tilted as it has seen,
+    B turns picture axes into body axes, h is the
     nominal height and f the focal length at the working size. The map has a turn of its own, but a
     camera that is tilted by 0.3 degree sees one of 0.02 rad/s at 2 m/s that is none: it is taken
     only where there are no gyros.
     """
     lens = state.lens
-    focal = optics.working_focal_px(lens, picture.shape)
+    focal = _focal(state, picture)
     centre = optics.centre_px(picture.shape)
     warp = match.previous_from_current
     camera_turn = _camera_turn(state)
@@ -155,11 +169,19 @@ def motion(state: State, epoch_ns: int, picture: Picture, match: Match) -> Motio
     )
 
 
+def _focal(state: State, picture: Picture) -> float:
+    return optics.working_focal_px(state.lens, picture.shape)
+
+
 def _camera_turn(state: State) -> Array:
-    """Rotation of the camera since the last frame, camera axes; zero where nothing tells it."""
-    turn: Array = optics.CAMERA_FROM_BODY @ (
-        np.zeros(3) if state.turn_rad is None else state.turn_rad
-    )
+    """Rotation of the camera since the last frame, camera axes; zero where nothing tells it.
+
+    The body turns about the ground's normal, which is not the optical axis of a tilted camera.
+    """
+    if state.turn_rad is None:
+        return np.zeros(3)
+    turn: Array = optics.CAMERA_FROM_BODY @ state.turn_rad
+    turn[:2] += turn[2] * np.array(state.tilt.normal)
     return turn
 
 

@@ -27,11 +27,13 @@ TREES, CHECKS = 5, 50
 SEED = 1
 
 
-def match_similarity(previous: Picture, current: Picture, turn_rad: float) -> Match | None:
+def match_similarity(
+    previous: Picture, current: Picture, turn_rad: float, moved_px: Array | None = None
+) -> Match | None:
     """(b) Hamming matches that are mutual best, and a RANSAC similarity through them.
 
-    The gyro is not needed: the similarity has the rotation. The variance is that of a mean over
-    the inliers, of residuals about the similarity, and of whole pixels.
+    Neither gyro nor motion is needed: the similarity has the rotation. The variance is that of a
+    mean over the inliers, of residuals about the similarity, and of whole pixels.
     """
     found = _features(previous, current)
     if found is None:
@@ -60,7 +62,9 @@ def match_similarity(previous: Picture, current: Picture, turn_rad: float) -> Ma
     )
 
 
-def match_printed(previous: Picture, current: Picture, turn_rad: float) -> Match | None:
+def match_printed(
+    previous: Picture, current: Picture, turn_rad: float, moved_px: Array | None = None
+) -> Match | None:
     """(a) Euclidean FLANN matches, 2-means on their distances, mean displacement of the nearer.
 
     As printed: the bits of a descriptor are taken as 32 coordinates, distances (17) are clustered

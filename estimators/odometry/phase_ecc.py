@@ -1,6 +1,6 @@
 """Phase correlation of the gyro-derotated picture, refined by ECC: method (c), the recommended.
 
-Sources: Kuglin and Hines 1975 (phase correlation); Evangelidis and Psarakis 2008 (ECC).
+Source: Kuglin and Hines 1975 (phase correlation).
 """
 
 from __future__ import annotations
@@ -10,38 +10,45 @@ import math
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
 from estimators.odometry.lens import Array, Picture, centre_px
 from estimators.odometry.match import Match
+from estimators.odometry.symmetric import EVERY_PX, SMOOTHED_PX, Found, find, smoothed
 
-ITERATIONS, CONVERGED = 12, 1e-3
-SMOOTHED_PX = 9
-"""Width of the Gaussian that ECC smooths both pictures with, 1.7 px of sd. What is finer than a few
-pixels pulls a displacement towards whole ones, in every frame alike: at 5 px wide by 0.006 px rms,
-so by 0.003; noise that differs from frame to frame grows to 0.004, which a mean takes out."""
 LEAST_PSR = 8.0
 """Peak-to-sidelobe ratio below which a peak is chance: the highest of 64 000 normal numbers is at
 4.2 sd, and of unrelated soil at most 6."""
 LEAST_CORRELATION = 0.6
+SURE_CORRELATION = 0.9
+"""No other place on the ground looks like that."""
 FARTHEST_PX = 3.0
-"""Farther than this from the peak, ECC has found something else."""
-FLOOR_PX = 0.006
-"""sd of ECC's displacement on noise-free pictures: interpolation."""
+"""Farther than this from the start, ECC has found something else."""
+FLOOR_PX = 0.0005
+"""sd of ECC's displacement on noise-free pictures: detail finer than the pixels."""
 PEAK_PX = 0.3
 """sd of the peak alone, measured between pixels and with 1 % of scale between the pictures."""
-SMOOTHED_AREA_PX2 = 36.0
-"""Pixels over which the smoothing makes noise one: 4 pi sd^2 of the Gaussian."""
+POINTS_PER_ONE = 4.0 * math.pi * (SMOOTHED_PX**2 + 1.0 / 3.0) / EVERY_PX**2
+"""Points over which smoothing makes noise one: the area 4 pi sd^2 of Gaussian and spline."""
 
 
-def match(previous: Picture, current: Picture, turn_rad: float) -> Match | None:
+def match(
+    previous: Picture, current: Picture, turn_rad: float, moved_px: Array | None = None
+) -> Match | None:
     """The affine map from current to previous, or None.
+
+    Where the camera goes on as it did ECC finds the map at once, and its correlation says so. Else:
 
     1. Turn the previous picture by the gyro's angle about the principal point.
     2. The peak of their phase correlation, under a Hann window, is the displacement.
-    3. ECC refines all six numbers of the map; where it fails the peak stands.
+    3. Symmetric ECC refines all six numbers of the map; where it fails the peak stands.
     """
+    if moved_px is not None:
+        start = turned_about(centre_px(current.shape), turn_rad)
+        start[:, 2] += moved_px
+        refined = refine(previous, current, start)
+        if refined is not None and refined.correlation >= SURE_CORRELATION:
+            return _told(refined)
     start, psr = peak(previous, current, turn_rad)
     if psr < LEAST_PSR:
         return None
@@ -51,11 +58,15 @@ def match(previous: Picture, current: Picture, turn_rad: float) -> Match | None:
         return Match(
             previous_from_current=start, variance_px2=PEAK_PX**2, quality=quality, turns=False
         )
-    warp, correlation = refined
+    return _told(refined)
+
+
+def _told(refined: Found) -> Match:
     return Match(
-        previous_from_current=warp,
-        variance_px2=variance_px2(current, correlation),
-        quality=correlation,
+        previous_from_current=refined.previous_from_current,
+        variance_px2=FLOOR_PX**2 + POINTS_PER_ONE * refined.variance_px2,
+        quality=refined.correlation,
+        stretches=True,
     )
 
 
@@ -115,48 +126,14 @@ def highest(surface: Picture) -> tuple[Array, float]:
     return wrapped, (float(surface[row, column]) - mean) / spread
 
 
-def refine(previous: Picture, current: Picture, start: Array) -> tuple[Array, float] | None:
-    """The affine map of greatest correlation near `start`, and that correlation; None if none."""
-    until = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, ITERATIONS, CONVERGED)
-    first = start.astype(np.float32)
-    try:
-        correlation, warp = cv2.findTransformECC(
-            current,
-            previous,
-            first,
-            cv2.MOTION_AFFINE,
-            until,
-            _everywhere(current.shape),
-            SMOOTHED_PX,
-        )
-    except cv2.error:  # says so when the correlation falls
+def refine(previous: Picture, current: Picture, start: Array) -> Found | None:
+    """The affine map of greatest correlation near `start`; None if none."""
+    found = find(smoothed(previous), smoothed(current), start)
+    if found is None or not found.correlation >= LEAST_CORRELATION:
         return None
-    found = np.asarray(warp, np.float64)
     centre = np.append(centre_px(current.shape), 1.0)
-    moved = float(np.linalg.norm((found - start) @ centre))
-    if not (correlation >= LEAST_CORRELATION and moved <= FARTHEST_PX):
-        return None
-    return found, float(correlation)
-
-
-def variance_px2(current: Picture, correlation: float) -> float:
-    """Variance of ECC's displacement of the principal point, each axis [px^2].
-
-        var = floor^2 + area (1 - rho^2) sd^2 / sum of squared slopes
-
-    The second term is the Cramer-Rao bound of a displacement between pictures that differ by noise
-    of variance (1 - rho^2) sd^2, correlated over `area`.
-    """
-    smooth = cv2.GaussianBlur(current, (SMOOTHED_PX, SMOOTHED_PX), 0)
-    slopes = np.diff(smooth, axis=1)
-    steep = max(float(np.vdot(slopes, slopes)), 1e-9)
-    noise = max(0.0, 1.0 - correlation * correlation) * float(smooth.var())
-    return FLOOR_PX**2 + SMOOTHED_AREA_PX2 * noise / steep
-
-
-@functools.lru_cache(maxsize=4)
-def _everywhere(shape: tuple[int, ...]) -> NDArray[np.uint8]:
-    return np.full(shape, 255, np.uint8)
+    moved = float(np.linalg.norm((found.previous_from_current - start) @ centre))
+    return found if moved <= FARTHEST_PX else None
 
 
 @functools.lru_cache(maxsize=4)

@@ -32,6 +32,10 @@ LAG_NS = 120_000_000
 STALE_NS = round(STALE_S * 1e9)
 SEEN_NS = 500_000_000
 """The forward speed is the camera's for so long after a frame."""
+USUAL_S = 1.0 / 30.0
+"""Between two frames, where a stream does not tell [s]."""
+SAME_S = 0.001
+"""Instants as near as this are one."""
 STRAIGHT_RADPS = 0.03
 """Turning slower than this is straight on."""
 DRIVING_MPS = 0.3
@@ -41,13 +45,16 @@ READ = {
     "imu": ("gyro_x_radps", "gyro_y_radps", "gyro_z_radps", "accel_x_mps2", "accel_y_mps2"),
     "wheels": (*(f"ticks_{w}" for w in WHEELS), *(f"speed_{w}_mps" for w in WHEELS),
                "speed_sd_mps"),
-    "camera": ("v_x_mps", "v_y_mps", "var_x_m2ps2", "var_y_m2ps2", "cov_xy_m2ps2", "used"),
+    "camera": ("v_x_mps", "v_y_mps", "var_x_m2ps2", "var_y_m2ps2", "cov_xy_m2ps2", "interval_s",
+               "used"),
 }  # fmt: skip
 LATERAL = ("v_y_mps", "sideslip_rad", "sideslip_sd_rad", "sideslip_m", "sideslip_sd_m",
            "sideslip_rear_rad", "sideslip_rear_m")  # fmt: skip
 
 Sample = tuple[int, str, tuple[float, ...]]
-"""Epoch, sensor, values as in READ; for "towed" a speed and its sd."""
+"""Epoch, sensor, values as in READ; for "towed" a speed and its sd. A camera's sample is two:
+"camera" at the middle of its interval is the forward speed and its variance, "frame" at its end
+both speeds, the variance and the interval."""
 
 
 @dataclass
@@ -63,6 +70,8 @@ class State:
     """Path per tick of each wheel, NaN without ticks."""
     x: Array
     p: Array
+    lateral_psd: float
+    """Of the lateral speed's walk [m2/s3]."""
     epoch_ns: int = -1
     """Of the filter."""
     newest_ns: int = -1
@@ -70,6 +79,8 @@ class State:
     """When a lateral speed was last measured."""
     camera_ns: int = -1
     """When the camera last measured one."""
+    frame_ns: int = -1
+    """Of its last frame, up to which the path aside is known."""
     spin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """The last turn rates."""
     spin_ns: int = -1
@@ -85,8 +96,9 @@ class State:
 class SideslipEkf:
     """Extended Kalman filter on speeds, heading, slides, and what is not mounted true.
 
-        x = [v_x, v_y, heading, gyro bias, heading bias, camera yaw, camera scale, wheel scale,
-             slide of the centre of gravity, slide of the rear axle, pull of the pixels]
+        x = [v_x, v_y of the camera, heading, gyro bias, heading bias, camera yaw, camera scale,
+             wheel scale, slide of the centre of gravity, slide of the rear axle,
+             pull of the pixels, gyro scale]
 
     The slides are the sideslip amounts, integrals of lateral speed, so that their sd knows of the
     biases they share. Camera yaw and heading bias are found where the machine drives straight on
@@ -113,6 +125,7 @@ class SideslipEkf:
             tick_m=tuple(2.0 * math.pi * radius.get(w, math.nan) / per_turn for w in WHEELS),
             x=x,
             p=p,
+            lateral_psd=self.tuning.accel_y_psd,
         )
 
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
@@ -180,8 +193,8 @@ class Work:
             if found is None:
                 return
             sample = found
-        waiting = sorted((*self.state.waiting, sample), key=lambda s: s[:2])
-        self.state.waiting = tuple(waiting)
+        more = _camera(epoch_ns, values) if sensor == "camera" else (sample,)
+        self.state.waiting = tuple(sorted((*self.state.waiting, *more), key=lambda s: s[:2]))
 
     def _towed(self, epoch_ns: int, values: Array) -> Sample | None:
         """Mean speed of the towed wheels over the interval of two readings, at its middle."""
@@ -214,7 +227,10 @@ class Work:
         if sensor == "imu":
             self._level()
         elif sensor == "camera":
-            self._camera(np.array(values), spin[2])
+            x, p, own = self.state.x, self.state.p, self.state.nominal
+            model.take_ahead(x, p, values[0], values[1], spin[2], own, self.tuning)
+        elif sensor == "frame":
+            self._frame(values)
         elif sensor == "gnss":
             self._gnss(values, np.array(spin))
         elif sensor == "towed" and abs(spin[2]) < STRAIGHT_RADPS:
@@ -226,9 +242,11 @@ class Work:
         dt = (epoch_ns - state.epoch_ns) * 1e-9
         if state.epoch_ns >= 0 and dt > STALE_S:
             model.forget(state.x, state.p, self.tuning)
+            state.lateral_psd, state.frame_ns = self.tuning.accel_y_psd, -1
             state.tilt = tilt.forget(state.tilt)
         elif state.epoch_ns >= 0 and dt > 0.0:
-            model.predict(state.x, state.p, dt, rate, state.nominal, self.tuning)
+            psd = state.lateral_psd
+            model.predict(state.x, state.p, dt, rate, psd, state.nominal, self.tuning)
         state.epoch_ns = max(epoch_ns, state.epoch_ns)
 
     def _turn(self, epoch_ns: int, values: tuple[float, ...]) -> None:
@@ -236,8 +254,8 @@ class Work:
         state = self.state
         p, q, r = (v if math.isfinite(v) else s for v, s in zip(values, state.spin, strict=False))
         dt = min((epoch_ns - state.spin_ns) * 1e-9, 0.1) if state.spin_ns >= 0 else 0.02
-        rate = r - state.x[GYRO_BIAS]
-        ahead = values[3] + rate * state.x[V_Y]
+        rate = model.turning(state.x, r)
+        ahead = values[3] + rate * model.rear_mps(state.x, r, state.nominal)
         left = values[4] - rate * state.x[V_X]
         own = state.tilt
         if state.spin_ns >= 0 and epoch_ns - state.spin_ns > STALE_NS:
@@ -256,27 +274,27 @@ class Work:
 
     def _level(self) -> None:
         state = self.state
-        rate = state.spin[2] - state.x[GYRO_BIAS]
+        rate = model.turning(state.x, state.spin[2])
         driving = abs(state.x[V_X]) > DRIVING_MPS and state.p[V_X, V_X] < 1.0
         if state.tilt.level and driving and abs(rate) < STRAIGHT_RADPS:
-            model.take_level(state.x, state.p, self.tuning)
+            model.take_level(state.x, state.p, state.spin[2], state.nominal, self.tuning)
 
-    def _camera(self, values: Array, rate: float) -> None:
-        """The height errs along the velocity; a covariance's smaller eigenvalue is without that."""
-        state = self.state
-        covariance = np.array([[values[2], values[4]], [values[4], values[3]]])
-        if not (np.isfinite(values[:2]).all() and np.isfinite(covariance).all()):
-            return
-        variance = max(float(np.linalg.eigvalsh(covariance)[0]), 1e-10)
-        seen = values[:2]
-        x, p = state.x, state.p
-        if model.take_camera(x, p, seen, variance, rate, state.nominal, self.tuning):
+    def _frame(self, values: tuple[float, ...]) -> None:
+        state, (ahead, left, variance, interval_s) = self.state, values
+        known_s = (state.epoch_ns - state.frame_ns) * 1e-9 if state.frame_ns >= 0 else math.inf
+        follows = abs(known_s - interval_s) < SAME_S
+        state.frame_ns = state.epoch_ns
+        frame = model.Frame(ahead, left, variance, interval_s, follows)
+        taken, state.lateral_psd = model.take_aside(
+            state.x, state.p, frame, state.lateral_psd, self.tuning
+        )
+        if taken:
             state.lateral_ns = state.camera_ns = state.epoch_ns
 
     def _gnss(self, values: tuple[float, ...], spin: Array) -> None:
         east, north, azimuth, quality, velocity_sd, heading_sd = values
         state, nominal = self.state, self.state.nominal
-        spin[2] -= state.x[GYRO_BIAS]
+        spin[2] = model.turning(state.x, spin[2])
         rotation = state.tilt.rotation
         if math.isfinite(azimuth):
             sd = heading_sd if heading_sd > 0.0 else nominal.heading_sd_rad
@@ -302,19 +320,40 @@ class Work:
             sd = math.sqrt(p[SLIDE, SLIDE])
             nan = math.nan
             return nan, nan, nan, float(x[SLIDE]), sd, nan, float(x[SLIDE_REAR]), nan, nan
-        rate = state.spin[2] - x[GYRO_BIAS]
-        v_y_cg = x[V_Y] + nominal.cg_x_m * rate
+        rate = model.turning(x, state.spin[2])
+        v_y_rear = model.rear_mps(x, state.spin[2], nominal)
+        v_y_cg = v_y_rear + nominal.cg_x_m * rate
         h = np.zeros(len(x))
         h[SLIDE], h[V_Y] = 1.0, ahead_s
         slide_sd = math.sqrt(max(float(h @ p @ h), 0.0))
         angles = (math.nan, math.nan, math.nan)
         if abs(x[V_X]) >= SLOW_MPS:
-            sd = math.sqrt(p[V_Y, V_Y] + nominal.cg_x_m**2 * p[GYRO_BIAS, GYRO_BIAS])
+            arm = nominal.cg_x_m - nominal.camera_m[0]
+            blurred = p[GYRO_BIAS, GYRO_BIAS] + nominal.gyro_sd_radps**2
+            sd = math.sqrt(p[V_Y, V_Y] + arm * arm * blurred)
             angles = (
-                math.atan2(v_y_cg, x[V_X]), sd / abs(x[V_X]), math.atan2(x[V_Y], x[V_X]),
+                math.atan2(v_y_cg, x[V_X]), sd / abs(x[V_X]), math.atan2(v_y_rear, x[V_X]),
             )  # fmt: skip
-        slide, rear = x[SLIDE] + ahead_s * v_y_cg, x[SLIDE_REAR] + ahead_s * x[V_Y]
+        slide, rear = x[SLIDE] + ahead_s * v_y_cg, x[SLIDE_REAR] + ahead_s * v_y_rear
         speed = (math.nan, math.nan)
         if state.camera_ns >= 0 and state.newest_ns - state.camera_ns < SEEN_NS:
             speed = (float(x[V_X]), math.sqrt(p[V_X, V_X]))
         return v_y_cg, angles[0], angles[1], slide, slide_sd, angles[2], rear, *speed
+
+
+def _camera(epoch_ns: int, values: Array) -> tuple[Sample, ...]:
+    """The two samples of a velocity; none where it or its covariance is unknown.
+
+    The height errs along the velocity; a covariance's smaller eigenvalue is without that.
+    """
+    ahead, left, var_x, var_y, cov_xy, interval_s, _ = (float(v) for v in values)
+    covariance = np.array([[var_x, cov_xy], [cov_xy, var_y]])
+    if not (math.isfinite(ahead + left) and np.isfinite(covariance).all()):
+        return ()
+    variance = max(float(np.linalg.eigvalsh(covariance)[0]), 1e-10)
+    span_s = interval_s if 0.0 < interval_s < STALE_S else USUAL_S
+    end_ns = epoch_ns + round(0.5e9 * span_s)
+    return (
+        (epoch_ns, "camera", (ahead, variance)),
+        (end_ns, "frame", (ahead, left, variance, span_s)),
+    )

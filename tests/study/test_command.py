@@ -113,7 +113,8 @@ def test_failed_runs_are_told_kept_and_tried_again_only_when_asked(tmp_path, cap
         tmp_path / "s",
     ]
     assert study(*asked) == 0
-    assert "failed: study.brought:ODD, ratio: ArithmeticError: odd" in capsys.readouterr().out
+    said = "failed: study.brought:ODD, ratio: scenario 'odd': measure fails: ArithmeticError: odd"
+    assert said in capsys.readouterr().out
     parts = {p: p.stat().st_mtime_ns for p in (tmp_path / "s" / "parts").iterdir()}
     assert study(*asked, "--retry-failed") == 0
     changed = [p.name for p, before in parts.items() if p.stat().st_mtime_ns != before]

@@ -144,7 +144,7 @@ def _with_overrides(default: Any) -> type[Options]:
         bases=(Options,),
         frozen=True,
         kw_only=True,
-        namespace={"__doc__": f"{default.about or Options.__doc__}"},
+        namespace={"__doc__": f"{getattr(default, 'about', '') or Options.__doc__}"},
     )
 
 
