@@ -137,8 +137,8 @@ def seconds(folder: Path, command: list[str]) -> float:
     return time.perf_counter() - start_s
 
 
-def test_it_ploughs(folder: Path, installed: Path) -> None:
-    out = folder / "ploughed"
+def test_it_ploughs(folder: Path, installed: Path, tmp_path: Path) -> None:
+    out = tmp_path / "ploughed"  # where every recording is verified
     words = ("run", "plough-25cm", "--course.length-m", "10", "--out", str(out))
     before = set(os.listdir("/"))
     done = alone(folder, str(installed / "twin"), *words)
