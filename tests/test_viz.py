@@ -145,8 +145,12 @@ def test_the_screen_suits_the_run() -> None:
     lost = Streams({"gnss": {**gnss, "quality": np.full(len(gnss["epoch_ns"]), 1)}})
     bare = {**truth, "depth_m": np.zeros(len(truth["epoch_ns"]))}
     steep = SimpleNamespace(field=SimpleNamespace(cross_slope_deg=9.0))
-    given = [(truth, sky, None), (truth, lost, None), (bare, sky, steep), (bare, sky, None)]
-    assert [kind(*each) for each in given] == ["ploughing", "masked", "slope", "road"]
+    given = [
+        (truth, sky, None), (truth, lost, None), (truth, sky, steep), (bare, sky, steep),
+        (bare, sky, None),
+    ]  # fmt: skip
+    suits = ["ploughing", "masked", "ploughing a slope", "slope", "road"]
+    assert [kind(*each) for each in given] == suits
 
 
 def test_the_ground_is_where_its_map_and_its_slope_are() -> None:

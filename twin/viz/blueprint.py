@@ -49,6 +49,7 @@ FIX_PANEL: Panel = (FIX, "GNSS: quality and satellites", 2)
 CONTROL: tuple[Panel, ...] = ((ACTIONS, "Actions", 1), (REWARD, "Terms of the reward", 1))
 KINDS: dict[str, tuple[Panel, ...]] = {
     "ploughing": (SLIP_PANEL, SPEED_PANEL, (DRAFT, "Draft [kN]", 2), (DEPTH, "Depth [m]", 2)),
+    "ploughing a slope": (SLIP_PANEL, SIDESLIP_PANEL, SPEED_PANEL, (DRAFT, "Draft [kN]", 2)),
     "slope": (SIDESLIP_PANEL, SLIP_PANEL, SPEED_PANEL),
     "masked": (FIX_PANEL, SLIP_PANEL, SIDESLIP_PANEL, SPEED_PANEL),
     "road": (SLIP_PANEL, SPEED_PANEL, SIDESLIP_PANEL),
@@ -60,10 +61,10 @@ def kind(truth: Table, streams: Streams, scenario: Any) -> str:
     """Which view suits a run: masked before ploughing before slope before road."""
     if _lost_fix(truth, streams):
         return "masked"
+    steep = abs(getattr(getattr(scenario, "field", None), "cross_slope_deg", 0.0)) > 1.0
     if np.any(truth.get("depth_m", np.zeros(1)) > 0.0):
-        return "ploughing"
-    slope_deg = getattr(getattr(scenario, "field", None), "cross_slope_deg", 0.0)
-    return "slope" if abs(slope_deg) > 1.0 else "road"
+        return "ploughing a slope" if steep else "ploughing"
+    return "slope" if steep else "road"
 
 
 def simulated(
