@@ -8,8 +8,7 @@ the truth itself, so no estimator that has to guess at the motion can know it be
 Errors that are constant over a run (radius, mounting angle, bias) are left out: score the bias
 apart.
 
-Source: Tichavsky, Muravchik and Nehorai 1998, IEEE Trans. SP 46, 1386; Rauch, Tung and Striebel
-1965.
+Source: Tichavsky, Muravchik and Nehorai 1998, IEEE Trans. SP 46, 1386.
 """
 
 from __future__ import annotations
@@ -19,18 +18,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators import riccati
+from estimators.riccati import System
 from twin.streams import Setup, Streams, Table
 
 Array = NDArray[np.float64]
 
 ORDER = 10
 """Order of the autoregression: 0.2 s at 50 Hz, the phase of a 2 Hz pitching."""
-SETTLE_STEPS = 4000
-"""No more steps than this until the covariance is steady."""
 ACCEL_BIAS_PSD = 1e-8
 """A bias that is all but constant [m2/s5]."""
-DRIFT = 1e-4
-"""Variance per second by which v and s are let drift, so that their covariance is steady."""
+HIDDEN_PERIODS = 3.0
+"""GNSS is hidden where there is no speed of it for so many of its periods."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,20 +51,18 @@ class Bound:
     """Sideslip angle, with everything."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class System:
-    """x' = F x + w, w ~ Q;  z = H x + noise of variance r, per step."""
-
-    transition: Array
-    process: Array
-    rows: Array
-    """Shape (measurements, states)."""
-    variances: Array
-    """Shape (measurements,)."""
-
-
-def bound(setup: Setup, streams: Streams, truth: Table, window_s: tuple[float, float]) -> Bound:
+def bound(
+    setup: Setup,
+    streams: Streams,
+    truth: Table,
+    window_s: tuple[float, float],
+    within_s: tuple[float, float] | None = None,
+) -> Bound:
     """The bounds of a run.
+
+    Where GNSS is hidden for a time, the covariance is followed through the gap, and the bound is
+    the root of its mean. Blind, an estimator still knows how far slip usually goes: the variance of
+    the slip bounds it too, and the two are joined as independent knowledge, 1 / (1/a + 1/b).
 
     Args:
         setup: what the sensors are said to be.
@@ -73,7 +70,8 @@ def bound(setup: Setup, streams: Streams, truth: Table, window_s: tuple[float, f
             accelerometer's what the truth shows, as no data sheet knows the engine.
         truth: speed_mps, slip and v_y_rear_mps at a steady rate; with the angles of the wheels
             against the body, where it has them, the wheels' errors under changing load.
-        window_s: the part of the run that counts.
+        window_s: the part of the run whose motion is looked at.
+        within_s: the part of that which the bound is of; all of it if None.
     """
     time = truth["epoch_ns"] * 1e-9
     inside = (time >= window_s[0]) & (time <= window_s[1])
@@ -82,20 +80,48 @@ def bound(setup: Setup, streams: Streams, truth: Table, window_s: tuple[float, f
     step_s = float(np.median(np.diff(time)))
     part = {name: column[inside] for name, column in truth.items()}
     motion = _motion(part, setup, step_s)
-    system = _along(setup, streams, part, motion, step_s, truth)
-    slip_at, speed_at = 2 * ORDER + 1, 2 * ORDER
-    causal, offline = _solve(system) if len(system.rows) else (_unknown(system), _unknown(system))
+    system, of = _along(setup, streams, part, motion, step_s, truth)
+    hidden = _hidden(streams, part["epoch_ns"])
+    first, last = within_s or window_s
+    wanted = (time[inside] >= first) & (time[inside] <= last)
+    seen = np.array([(name != "gnss") | ~hidden for name in of]).T.reshape(len(hidden), len(of))
+    slip = _variances(system, seen, wanted, 2 * ORDER + 1)
+    speed = _variances(system, seen, wanted, 2 * ORDER)
     mean_speed = max(float(np.mean(np.abs(part["speed_mps"]))), 0.05)
     across = _across(setup, streams, part, step_s)
-    side = _solve(across) if across is not None else (np.full((1, 1), np.nan),) * 2
-    unseen = float(np.var(motion.unseen))
+    side = (np.nan, np.nan)
+    if across is not None:
+        side = _variances(across, ~hidden[:, None], wanted, len(across.transition) - 1)
+    unseen, usual = float(np.var(motion.unseen)), float(np.var(motion.slip))
+    known = [1.0 / (1.0 / each + 1.0 / usual) if hidden.any() else each for each in slip]
     return Bound(
-        slip_causal=float(np.sqrt(causal[slip_at, slip_at] + unseen)),
-        slip_offline=float(np.sqrt(offline[slip_at, slip_at] + unseen)),
-        speed_causal_mps=float(np.sqrt(causal[speed_at, speed_at])),
-        sideslip_causal_rad=float(np.sqrt(side[0][-1, -1])) / mean_speed,
-        sideslip_offline_rad=float(np.sqrt(side[1][-1, -1])) / mean_speed,
+        slip_causal=float(np.sqrt(known[0] + unseen)),
+        slip_offline=float(np.sqrt(known[1] + unseen)),
+        speed_causal_mps=float(np.sqrt(speed[0])),
+        sideslip_causal_rad=float(np.sqrt(side[0])) / mean_speed,
+        sideslip_offline_rad=float(np.sqrt(side[1])) / mean_speed,
     )
+
+
+def _variances(
+    system: System, seen: NDArray[np.bool_], wanted: NDArray[np.bool_], state: int
+) -> tuple[float, float]:
+    """Mean variance of a state over the wanted steps, by filter and by smoother."""
+    causal, offline = riccati.through(system, seen, state)
+    return float(np.mean(causal[wanted])), float(np.mean(offline[wanted]))
+
+
+def _hidden(streams: Streams, epoch_ns: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """At which epochs GNSS has had no speed for HIDDEN_PERIODS."""
+    if "gnss" not in streams or len(streams["gnss"]["epoch_ns"]) < 2:
+        return np.zeros(len(epoch_ns), bool)
+    gnss = streams["gnss"]
+    measured = gnss["epoch_ns"][np.isfinite(streams.column("gnss", "v_east_mps"))]
+    if not len(measured):
+        return np.ones(len(epoch_ns), bool)
+    before = np.searchsorted(measured, epoch_ns, side="right") - 1
+    since = np.where(before >= 0, epoch_ns - measured[np.maximum(before, 0)], np.inf)
+    return np.asarray(since > HIDDEN_PERIODS * 1e9 * _period_s(streams, "gnss"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,8 +168,11 @@ def _centred(values: Array) -> Array:
 
 def _along(
     setup: Setup, streams: Streams, part: Table, motion: _Motion, step_s: float, truth: Table
-) -> System:
-    """States: ORDER past increments of (v, s), v, s, past v, travels, accelerometer bias, skid."""
+) -> tuple[System, list[str]]:
+    """The system, and which sensor each row is of.
+
+    States: ORDER past increments of (v, s), v, s, past v, travels, accelerometer bias, skid.
+    """
     speed = np.asarray(part["speed_mps"], np.float64)
     late = {s: _late_steps(streams, s, step_s) for s in ("gnss", "imu")}
     past = max(late["gnss"], 1)
@@ -169,33 +198,37 @@ def _along(
     f[bias, bias], q[bias, bias] = 1.0, ACCEL_BIAS_PSD * step_s
     f[skid, skid], q[skid, skid] = _gauss_markov(motion.skid)
     q += np.eye(size) * 1e-14
-    rows, variances = [], []
+    rows, variances, of = [], [], []
 
-    def measure(at: dict[int, float], variance: float) -> None:
+    def measure(sensor: str, at: dict[int, float], variance: float) -> None:
         row = np.zeros(size)
         for state, weight in at.items():
             row[state] = weight
         rows.append(row)
         variances.append(variance)
+        of.append(sensor)
 
     if setup.gnss is not None and "gnss" in streams and len(streams["gnss"]["epoch_ns"]):
         per_step = step_s / _period_s(streams, "gnss")
-        measure({s + past if late["gnss"] else v: 1.0}, setup.gnss.velocity_sd_mps**2 / per_step)
+        measure(
+            "gnss", {s + past if late["gnss"] else v: 1.0}, setup.gnss.velocity_sd_mps**2 / per_step
+        )
     if "imu" in streams and "accel_x_mps2" in streams["imu"]:
         at = 2 * min(late["imu"], ORDER - 1)
-        measure({at: 1.0 / step_s, bias: 1.0}, _accel_var(streams, truth, part))
+        measure("imu", {at: 1.0 / step_s, bias: 1.0}, _accel_var(streams, truth, part))
     for state, pair in ((front, ("fl", "fr")), (rear, ("rl", "rr"))):
         variance = _travel_var(setup, streams, pair)
         if np.isfinite(variance):
-            measure({state: 1.0}, variance)
+            measure("wheels", {state: 1.0}, variance)
         elif f"speed_{pair[0]}_mps" in streams.tables.get("wheels", {}):
             sd = float(np.nanmedian(streams.column("wheels", "speed_sd_mps")))
             sd = sd if np.isfinite(sd) else 0.05
             scale = {v: 1.0, skid: mean_v} if state == front else {v: ratio, s: mean_v * ratio**2}
-            measure(scale, sd**2)
-    return System(
+            measure("wheels", scale, sd**2)
+    system = System(
         transition=f, process=q, rows=np.reshape(rows, (-1, size)), variances=np.array(variances)
     )
+    return system, of
 
 
 def _across(setup: Setup, streams: Streams, part: Table, step_s: float) -> System | None:
@@ -288,35 +321,3 @@ def _accel_var(streams: Streams, truth: Table, part: Table) -> float:
     error = (np.asarray(imu["accel_x_mps2"], np.float64) - motion)[inside]
     second = error[2:] - 2.0 * error[1:-1] + error[:-2]
     return max(float(np.nanmean(second**2)) / 6.0, 1e-8)
-
-
-def _unknown(system: System) -> Array:
-    return np.full(system.transition.shape, np.nan)
-
-
-def _solve(system: System) -> tuple[Array, Array]:
-    """Steady covariances of filter and smoother.
-
-    P- = F P F^T + Q,  K = P- H^T (H P- H^T + R)^-1,  P = (I - K H) P-
-    G  = P F^T (P-)^-1,  P_s = P + G (P_s - P-) G^T
-    """
-    f, q, h, r = system.transition, system.process, system.rows, np.diag(system.variances)
-    after = np.eye(len(f)) * 0.01
-    before = after
-    for _ in range(SETTLE_STEPS):
-        before = f @ after @ f.T + q
-        gain = np.linalg.solve(h @ before @ h.T + r, h @ before).T
-        last = after
-        shrink = np.eye(len(f)) - gain @ h
-        after = shrink @ before @ shrink.T + gain @ r @ gain.T
-        after = 0.5 * (after + after.T)
-        if np.allclose(np.diag(after), np.diag(last), rtol=1e-6, atol=0.0):
-            break
-    back = np.linalg.solve(before + 1e-15 * np.eye(len(f)), f @ after).T
-    smoothed = after
-    for _ in range(SETTLE_STEPS):
-        last = smoothed
-        smoothed = after + back @ (smoothed - before) @ back.T
-        if np.allclose(np.diag(smoothed), np.diag(last), rtol=1e-6, atol=1e-14):
-            break
-    return after, smoothed

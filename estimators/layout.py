@@ -57,10 +57,12 @@ NOMINAL = np.dtype(
         ("imu_m", "f8", 3),
         ("accel_sd_mps2", "f8"),
         ("accel_bias_sd_mps2", "f8"),
+        ("gravity", "f8"),
     ],
     align=True,
 )
-"""The set-up as numbers. `driven` is 1 for a driven wheel; `accel_sd_mps2` is of one sample."""
+"""The set-up as numbers. `driven` is 1 for a driven wheel; `accel_sd_mps2` is of one sample,
+`gravity` 1 where it leaks into the accelerations as the body pitches."""
 
 SIGNALS = np.dtype(
     [
@@ -160,4 +162,5 @@ def nominal(setup: Setup) -> tuple[Any, ...]:
         imu.lever_arm_m if imu else (0.0, 0.0, 0.0),
         accel_sd,
         imu.accel_bias_sd_mps2 if imu else 0.0,
+        float(imu.gravity) if imu else 1.0,
     )

@@ -6,7 +6,7 @@ a trial. Its tracks are not; these are three kinds that a ploughing tractor migh
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -46,7 +46,7 @@ class Trial:
     def measure(self) -> tuple[Setup, Streams, Table]:
         """What the estimators are told, what they see, and the truth."""
         signals = simulate(self)
-        return SETUP, streams(signals), truth(signals)
+        return setup(self), streams(signals), truth(signals)
 
 
 CLEAN = Trial()
@@ -55,6 +55,12 @@ DISTURBED = Trial(
     about="the same with five half-sine disturbances of the GNSS speed",
     disturbance="lobe",
 )
+
+
+def setup(trial: Trial) -> Setup:
+    """What the estimators are told of a trial: the sd of the biases, where there are any."""
+    assert SETUP.imu is not None
+    return replace(SETUP, imu=replace(SETUP.imu, accel_bias_sd_mps2=trial.accel_bias_sd_mps2))
 
 
 def simulate(trial: Trial) -> Signals:

@@ -34,7 +34,8 @@ SETUP = Setup(
         gyro_noise_radps_rthz=0.0,
         accel_noise_mps2_rthz=SD["accel"] / RATE_HZ**0.5,
         gyro_bias_sd_radps=0.0,
-        accel_bias_sd_mps2=0.1,
+        accel_bias_sd_mps2=0.0,
+        gravity=False,
     ),
 )
 """What the estimators are told; the paper's simulation has no geometry."""

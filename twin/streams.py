@@ -104,6 +104,9 @@ class ImuSetup:
     accel_noise_mps2_rthz: float
     gyro_bias_sd_radps: float
     accel_bias_sd_mps2: float
+    gravity: bool = True
+    """Whether gravity is in the accelerations, as an accelerometer has it; False where the unit, or
+    who made the log, took it out."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -44,21 +44,27 @@ class SlipEkf:
     than the tests'.
     """
 
-    jerk_psd: float = 0.2
+    jerk_psd: float = 0.03
     """Density of the white jerk [m2/s5]."""
+    restless: float = 2.0
+    """Density of the jerk over what the accelerometer shows of it in some tenths of a second."""
     accel_tau: float = 1.0
     """Time over which an acceleration is forgotten [s]."""
-    slip_psd: float = 0.015
-    """Density of the white noise on the slip's rate [1/s3]."""
+    slip_share: float = 0.6
+    """What makes slip grow, as an acceleration w s', over what slows the machine."""
     measured_slip_psd: float = 0.3
     """What is added to it where the wheels have accelerometers, which need no model of slip."""
-    load_correlation: float = 0.92
+    load_correlation: float = 0.93
     """Of what slows the ground speed with what makes slip grow: the draft does both at once."""
-    slip_tau: float = 1.0
-    """Time over which a slip rate is forgotten [s]."""
-    usual_tau: float = 3.0
+    unheard_psd: float = 0.15
+    """What stands for the density that an accelerometer would show [m2/s5]."""
+    unheard_share: float = 0.3
+    """What stands for `slip_share` then: the driver changes both speeds."""
+    unheard_tau: float = 0.3
+    """What stands for `accel_tau` then [s]."""
+    usual_tau: float = 5.0
     """Time in which slip comes back to what it usually is [s]."""
-    usual_psd: float = 1e-5
+    usual_psd: float = 3e-5
     """Density of the walk of that [1/s]."""
     swing_sd: float = 0.001
     """sd of the slip that comes of pitching."""
@@ -66,10 +72,12 @@ class SlipEkf:
     """Frequency of that; 1.5-4 Hz for a tractor on its tyres [Hz]."""
     swing_damping: float = 0.15
     """Its damping ratio."""
-    bias_sd: float = 0.3
-    """sd of the accelerometer's bias beside the data sheet's: 2 degrees of mean pitch [m/s2]."""
-    bias_psd: float = 2e-5
+    leak_sd: float = 0.3
+    """sd of gravity's share in the acceleration: 2 degrees of mean pitch [m/s2]."""
+    leak_psd: float = 5e-6
     """Density of its walk, as the slope changes [m2/s5]."""
+    bias_psd: float = 1e-9
+    """Density of the walk of an accelerometer's own bias [m2/s5]."""
     gyro_bias_sd: float = 1e-3
     """sd of the pitch gyro's bias, 0.06 degrees per second [rad/s]."""
     radius_sd: float = 0.01
@@ -84,15 +92,19 @@ class SlipEkf:
     """sd of its quick part, as the load changes."""
     quick_radius_sd: float = 0.001
     """sd of the driven radius's quick part."""
-    quick_tau: float = 0.3
+    quick_tau: float = 0.15
     """Correlation time of the quick parts [s]."""
     late_sd: float = 0.02
     """sd of the receiver's error in its own time stamps [s]."""
-    gate: float = 3.5
+    gate: float = 3.0
     """A ground speed further off than this many sd is refused."""
-    patience: float = 0.6
+    back: float = 0.5
+    """Once refused, a speed is taken again within this share of the gate."""
+    patience: float = 0.4
     """But not for longer than this [s]."""
-    follow: float = 3.0
+    trust: float = 15.0
+    """And not for longer than this while another ground speed agrees with the estimate [s]."""
+    follow: float = 4.0
     """An acceleration further off than this many sd is a new motion, and is followed."""
     zero_slip: float = 0.003
     """Slip with the plough out of the ground; 0.2-0.9 % pull nothing."""
@@ -103,6 +115,12 @@ class SlipEkf:
     loses about 7 kN, and its radius grows by about 0.75 %."""
     unload_sd: float = 0.003
     """sd of that."""
+    load: float = 0.0065
+    """The same of the towed wheels, which get what the rear ones lose and shrink."""
+    load_sd: float = 0.002
+    """sd of that."""
+    settle_sd: float = 0.05
+    """sd by which gravity's leak changes then, as the body settles another way [m/s2]."""
     v_y_psd: float = 4e-4
     """Density of the walk of the velocity across the body [m2/s3]."""
     mount_sd: float = 0.00175
@@ -120,6 +138,7 @@ class SlipEkf:
             if name.endswith("_ns"):
                 memory[name] = -1
         memory["first_mps"] = np.nan
+        memory["jerk_psd"] = self.unheard_psd
         return State(signals.start(setup), start(setup), tuning, memory)
 
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:

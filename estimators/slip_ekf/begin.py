@@ -8,28 +8,31 @@ import numpy as np
 
 from estimators.compiled import compiled
 from estimators.kalman import Record
-from estimators.layout import GRAVITY_MPS2
 from estimators.slip_ekf.driven import axle
 from estimators.slip_ekf.layout import (
     ACCEL_BIAS,
-    DS,
     FRONT_TRAVEL,
     LATE,
     QUICK_RADIUS,
     QUICK_SKID,
     RADIUS,
     REAR_TRAVEL,
+    RIM_RATE,
     SKID,
     SWING,
     SWING_RATE,
-    TILTING,
     USUAL,
     WHEEL_BIAS,
     A,
-    S,
     V,
+    W,
 )
 from estimators.slip_ekf.rows import restart
+
+SLOW_MPS = 0.3
+"""Below this the first speeds say nothing of slip."""
+LEAST_BIAS_SD_MPS2 = 0.002
+"""No accelerometer's bias is taken to be smaller, whatever its data sheet says."""
 
 
 @compiled
@@ -50,41 +53,31 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
     if not np.isfinite(speed) or not np.isfinite(rear):
         return
     memory.known = 1
-    memory.rim_mps = rear
+    memory.rim_mps, memory.spin, memory.forgotten_s = rear, 1.0, 1.0
     memory.x[:] = 0.0
     memory.cov[:, :] = 0.0
     memory.x[V] = speed
-    slow = max(abs(rear), abs(speed)) < 0.3
-    if not slow:
-        turning = math.copysign(max(abs(rear), 0.3), rear)
-        memory.x[S] = max(-2.0, min(0.9, 1.0 - speed / turning))
-    by_speed = 0.0 if slow else -1.0 / math.copysign(max(abs(rear), 0.3), rear)
-    slip_var = 0.1**2 if slow else (rear_var + tuning.radius_sd**2 * rear**2) / max(rear**2, 0.09)
+    memory.x[W] = rear
     memory.cov[V, V] = variance
-    memory.cov[V, S] = memory.cov[S, V] = by_speed * variance
-    memory.cov[S, S] = slip_var + by_speed**2 * variance
+    memory.cov[W, W] = rear_var + (tuning.radius_sd * rear) ** 2
+    bias_sd = max(nominal.accel_bias_sd_mps2, LEAST_BIAS_SD_MPS2)
     for state, deviation in (
         (A, 1.0),
-        (DS, 0.3),
-        (ACCEL_BIAS, math.hypot(tuning.bias_sd, nominal.accel_bias_sd_mps2)),
+        (RIM_RATE, 1.0),
+        (ACCEL_BIAS, math.hypot(nominal.gravity * tuning.leak_sd, bias_sd)),
         (RADIUS, tuning.radius_sd),
         (SKID, tuning.skid_sd),
         (QUICK_SKID, tuning.quick_skid_sd),
         (QUICK_RADIUS, tuning.quick_radius_sd),
         (LATE, tuning.late_sd),
-        (WHEEL_BIAS, tuning.bias_sd),
-        (TILTING, GRAVITY_MPS2 * tuning.gyro_bias_sd),
+        (WHEEL_BIAS, bias_sd),
         (SWING, tuning.swing_sd),
         (SWING_RATE, tuning.swing_sd * 2.0 * math.pi * tuning.swing_hz),
     ):
         memory.cov[state, state] = deviation**2
     memory.gyro_y_known = 0
-    memory.x[USUAL] = memory.x[S]
-    memory.cov[USUAL, :] = memory.cov[S, :]
-    memory.cov[:, USUAL] = memory.cov[:, S]
-    memory.cov[USUAL, USUAL] = memory.cov[S, S] + 0.05**2
-    if not slow:
-        memory.cov[S, RADIUS] = memory.cov[RADIUS, S] = -(tuning.radius_sd**2) * (1.0 - memory.x[S])
+    memory.cov[W, RADIUS] = memory.cov[RADIUS, W] = -(tuning.radius_sd**2) * rear
+    _usual(memory)
     memory.rear_ns = signal.epoch_ns
     if signal.wheel_age_s.max() > 0.0:
         restart(memory, REAR_TRAVEL, rear_var * 2.0 * signal.wheel_age_s.max() ** 2)
@@ -92,3 +85,19 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
         if np.isfinite(front):
             restart(memory, FRONT_TRAVEL, rear_var * 2.0 * signal.wheel_age_s.max() ** 2)
             memory.front_spans = 1
+
+
+@compiled
+def _usual(memory: Record) -> None:
+    """The first slip is the usual one, as far as anybody knows: 1 - v / w, its sd and 0.05 more."""
+    v, w = memory.x[V], memory.x[W]
+    memory.cov[USUAL, USUAL] = 0.1**2
+    if max(abs(v), abs(w)) >= SLOW_MPS:
+        turning = math.copysign(max(abs(w), SLOW_MPS), w)
+        memory.x[USUAL] = max(-2.0, min(0.9, 1.0 - v / turning))
+        by_v, by_w = -1.0 / turning, v / turning**2
+        variance = by_v**2 * memory.cov[V, V] + by_w**2 * memory.cov[W, W]
+        memory.cov[USUAL, USUAL] = variance + 0.05**2
+        memory.cov[V, USUAL] = memory.cov[USUAL, V] = by_v * memory.cov[V, V]
+        memory.cov[W, USUAL] = memory.cov[USUAL, W] = by_w * memory.cov[W, W]
+        memory.cov[RADIUS, USUAL] = memory.cov[USUAL, RADIUS] = by_w * memory.cov[W, RADIUS]

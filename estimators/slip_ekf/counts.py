@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from estimators.compiled import compiled
@@ -10,23 +12,28 @@ from estimators.slip_ekf import model
 from estimators.slip_ekf.begin import begin
 from estimators.slip_ekf.driven import axle, radius
 from estimators.slip_ekf.layout import (
-    DS,
+    ACCEL_BIAS,
     FRONT_TRAVEL,
     GATED,
     ONE_WHEEL,
     RADIUS,
     RAISED,
     REAR_TRAVEL,
+    RIM_RATE,
+    SKID,
     USUAL,
     A,
-    S,
     V,
+    W,
 )
 from estimators.slip_ekf.pitch import turned
-from estimators.slip_ekf.rows import followed, gated, grow, restart, shift, take
+from estimators.slip_ekf.rows import followed, gated, grow, innovation_var, restart, shift, take
 from estimators.slip_ekf.tuning import FROM_FRONT, FROM_REAR
 
-RIM_TAU_S = 0.5
+SPIN_GAIN, SPIN_NIS, MOST_SPIN = 0.02, 1.5, 1000.0
+"""How fast the noise of the driven wheels' motion grows where their counts surprise on average by
+more than so much, and the most it does."""
+RIM_TAU_S = 3.0
 """Time over which the driven wheels' speed is averaged for the filter's gradients [s]."""
 
 
@@ -141,11 +148,14 @@ def _take_rear(
         h[:] = 0.0
         h[REAR_TRAVEL] = 1.0
         error = counted - memory.x[REAR_TRAVEL]
+        nis = error * error / innovation_var(memory.cov, h, count_var)
+        memory.spin *= math.exp(SPIN_GAIN * (min(nis, 9.0) - SPIN_NIS))
+        memory.spin = min(max(memory.spin, 1.0), MOST_SPIN)
         followed(memory, FROM_REAR, REAR_TRAVEL, REAR_TRAVEL, 0.0, h, error, count_var, 5.0)
         shift(memory, REAR_TRAVEL, -counted)
     else:
         error = speed - model.rear_row(memory.x, memory.rim_mps, age + tau, h)
-        followed(memory, FROM_REAR, S, S, 0.0, h, error, variance, 5.0)
+        followed(memory, FROM_REAR, W, W, 0.0, h, error, variance, 5.0)
         if tau > 0.0:
             restart(memory, REAR_TRAVEL, count_var)
             memory.rear_spans = 1
@@ -156,13 +166,13 @@ def _take_rear(
             n += 1
     if n:
         dt = min(max((signal.epoch_ns - memory.rear_ns) * 1e-9, 0.0), 0.1)
-        psd = tuning.measured_slip_psd
-        grow(memory, DS, DS, psd * dt)
-        grow(memory, S, S, psd * dt**3 / 3.0)
-        grow(memory, S, DS, psd * dt * dt / 2.0)
-        grow(memory, DS, S, psd * dt * dt / 2.0)
+        psd = tuning.measured_slip_psd * memory.rim_mps**2
+        grow(memory, RIM_RATE, RIM_RATE, psd * dt)
+        grow(memory, W, W, psd * dt**3 / 3.0)
+        grow(memory, W, RIM_RATE, psd * dt * dt / 2.0)
+        grow(memory, RIM_RATE, W, psd * dt * dt / 2.0)
         error = accel / n - model.wheel_accel_row(memory.x, tuning.usual_tau, h)
-        followed(memory, FROM_REAR, DS, S, dt, h, error, 0.06**2, 3.0)
+        followed(memory, FROM_REAR, RIM_RATE, W, dt, h, error, 0.06**2, 3.0)
 
 
 @compiled
@@ -175,8 +185,8 @@ def _stand(rear: float, front: float, h: Array, memory: Record) -> None:
         take(memory.x, memory.cov, h, -memory.x[V], 0.01**2, 0)
         h[V], h[A] = 0.0, 1.0
         take(memory.x, memory.cov, h, -memory.x[A], 0.05**2, 0)
-        restart(memory, S, 0.05**2)
-        restart(memory, DS, 0.3**2)
+        restart(memory, W, 0.05**2)
+        restart(memory, RIM_RATE, 0.3**2)
 
 
 @compiled
@@ -191,13 +201,23 @@ def _zero(raised: float, h: Array, tuning: Record, memory: Record) -> None:
         memory.flags |= RAISED
         if memory.raised == 0:
             memory.raised = 1
+            if memory.lowered:
+                _reload(-1.0, tuning, memory)
         if abs(memory.x[V]) > 0.5 and abs(memory.x[A]) < 0.3:
-            h[:] = 0.0
-            h[S] = 1.0
-            error = tuning.zero_slip - memory.x[S]
-            take(memory.x, memory.cov, h, error, tuning.zero_slip_sd**2, 1)
+            error = -model.zero_row(memory.x, tuning.zero_slip, h)
+            variance = (tuning.zero_slip_sd * memory.rim_mps) ** 2
+            take(memory.x, memory.cov, h, error, variance, 1)
     elif raised == 0.0 and memory.raised == 1:
-        memory.raised = 0
-        shift(memory, RADIUS, tuning.unload)
-        grow(memory, RADIUS, RADIUS, tuning.unload_sd**2)
+        memory.raised, memory.lowered = 0, 1
+        _reload(1.0, tuning, memory)
         grow(memory, USUAL, USUAL, 0.15**2)  # the plough will ask for another slip
+
+
+@compiled
+def _reload(down: float, tuning: Record, memory: Record) -> None:
+    """What the wheels carry moves from rear to front as the plough goes down: so do their radii."""
+    shift(memory, RADIUS, down * tuning.unload)
+    grow(memory, RADIUS, RADIUS, tuning.unload_sd**2)
+    shift(memory, SKID, down * tuning.load)
+    grow(memory, SKID, SKID, tuning.load_sd**2)
+    grow(memory, ACCEL_BIAS, ACCEL_BIAS, tuning.settle_sd**2)

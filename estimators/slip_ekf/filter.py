@@ -11,11 +11,11 @@ from estimators.kalman import Array, Record
 from estimators.layout import GNSS, GRAVITY_MPS2, IMU, OUT_OF_ORDER, RESTARTED, STALE_S, WHEELS
 from estimators.slip_ekf import model
 from estimators.slip_ekf.counts import take_wheels
-from estimators.slip_ekf.layout import ACCEL_BIAS, GATED, SIZE, A, V
-from estimators.slip_ekf.noise import listen
+from estimators.slip_ekf.layout import ACCEL_BIAS, GATED, SIZE, TILTING, A, V
+from estimators.slip_ekf.noise import jerk_psd, listen, unrest
 from estimators.slip_ekf.pitch import turn
 from estimators.slip_ekf.report import report
-from estimators.slip_ekf.rows import followed, gated, shift
+from estimators.slip_ekf.rows import gated, jolt, restart, shift, surprise, take
 from estimators.slip_ekf.tuning import FROM_GNSS, FROM_IMU
 
 
@@ -31,7 +31,7 @@ def loop(
         memory.flags |= signal.flags
         if signal.flags & OUT_OF_ORDER:
             continue
-        advance(signal.epoch_ns, tuning, memory)
+        advance(signal.epoch_ns, nominal, tuning, memory)
         if measure(signal, raised[i], h, nominal, tuning, memory):
             report(rows[n], signal, nominal, tuning, memory)
             n += 1
@@ -57,7 +57,7 @@ def measure(
 
 
 @compiled
-def advance(epoch_ns: int, tuning: Record, memory: Record) -> None:
+def advance(epoch_ns: int, nominal: Record, tuning: Record, memory: Record) -> None:
     """Predict to a newer epoch; start again after a gap."""
     dt = (epoch_ns - memory.time_ns) * 1e-9
     if memory.time_ns >= 0 and dt > STALE_S:
@@ -71,10 +71,11 @@ def advance(epoch_ns: int, tuning: Record, memory: Record) -> None:
         memory.shift[:] = 0.0
         memory.cut[:] = 0
         memory.grown[:, :] = 0.0
-        # slow motion is the driver's, who changes both speeds: the load shows in accelerations
         felt = memory.imu_ns >= 0 and epoch_ns - memory.imu_ns < 1_000_000_000
-        coupling = tuning.load_correlation if felt else 0.0
-        model.carry(memory.x, memory.cov, memory.rim_mps, coupling, dt, tuning)
+        restless = unrest(felt, tuning, memory)
+        memory.forgotten_s = restless[3]
+        model.carry(memory.x, memory.cov, memory.rim_mps, restless, dt, tuning)
+        memory.cov[ACCEL_BIAS, ACCEL_BIAS] += nominal.gravity * tuning.leak_psd * dt
     memory.time_ns = max(memory.time_ns, epoch_ns)
 
 
@@ -85,7 +86,7 @@ def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Rec
         if memory.known:
             error = speed - model.ground_row(memory.x, age, h)
             # what the motion did since, which v - a age does not know
-            unknown = tuning.jerk_psd * age**3 / 3.0
+            unknown = jerk_psd(tuning, memory) * age**3 / 3.0
             if gated(memory, FROM_GNSS, h, error, sd**2 + unknown, signal.epoch_ns, tuning):
                 memory.measured_ns = signal.epoch_ns
             else:
@@ -123,8 +124,11 @@ def _take_imu(
     dt = min(max((signal.epoch_ns - memory.imu_ns) * 1e-9, 0.0), 0.1)
     turn(signal.pitch_rate_radps, signal.epoch_ns, memory)
     if memory.known and np.isfinite(signal.gyro_y_radps):
-        tilt = 0.5 * (memory.gyro_y + signal.gyro_y_radps) * dt if memory.gyro_y_known else 0.0
-        shift(memory, ACCEL_BIAS, -GRAVITY_MPS2 * tilt)
+        if memory.gyro_y_known:
+            tilt = 0.5 * (memory.gyro_y + signal.gyro_y_radps) * dt
+            shift(memory, ACCEL_BIAS, -GRAVITY_MPS2 * tilt)
+        else:
+            restart(memory, TILTING, (GRAVITY_MPS2 * tuning.gyro_bias_sd) ** 2)
         memory.gyro_y, memory.gyro_y_known = signal.gyro_y_radps, 1
         # the unit stands above the axle: pitching moves it
         accel -= memory.pitch_accel * nominal.imu_m[2]
@@ -133,10 +137,15 @@ def _take_imu(
     if not np.isfinite(accel):
         return
     floor = nominal.accel_sd_mps2 if np.isfinite(nominal.accel_sd_mps2) else 0.0
-    variance = listen(accel, max(floor, tuning.accel_floor_sd) ** 2, memory)
+    felt = accel + nominal.gravity * GRAVITY_MPS2 * memory.pitch_rad
+    variance = listen(felt, signal.epoch_ns, max(floor, tuning.accel_floor_sd) ** 2, memory)
     if memory.known:
         h[:] = 0.0
         h[A] = h[ACCEL_BIAS] = 1.0
         error = accel - memory.x[A] - memory.x[ACCEL_BIAS]
-        unknown = tuning.jerk_psd * age  # what the motion did since
-        followed(memory, FROM_IMU, A, V, dt, h, error, variance + unknown, tuning.follow)
+        unknown = jerk_psd(tuning, memory) * age  # what the motion did since
+        variance += unknown
+        grown = surprise(memory, FROM_IMU, h, error, variance, tuning.follow)
+        if grown > 0.0:
+            jolt(memory, grown, dt, tuning.load_correlation)
+        take(memory.x, memory.cov, h, error, variance, memory.raised)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-V, A, ACCEL_BIAS, S, DS, RADIUS, REAR_TRAVEL = range(7)
-"""Ground speed [m/s], its acceleration, the accelerometer's bias with gravity's leak [m/s2], slip
-of the driven axle, its rate [1/s], error of the driven wheels' radius, and their travel less what
-has been counted [m]."""
+V, A, ACCEL_BIAS, W, RIM_RATE, RADIUS, REAR_TRAVEL = range(7)
+"""Ground speed [m/s], its acceleration, the accelerometer's bias with gravity's leak [m/s2], speed
+of the driven wheels' rims [m/s], its rate [m/s2], error of the driven wheels' radius, and their
+travel less what has been counted [m]."""
 SKID, QUICK_SKID, FRONT_TRAVEL, WHEEL_BIAS, LATE, QUICK_RADIUS = range(7, 13)
 """Slow and quick error of the front wheels' travel over the ground's, their travel less what has
 been counted [m], bias of a wheel accelerometer [m/s2], time by which GNSS is later than it
@@ -17,6 +17,9 @@ SWING, SWING_RATE, USUAL, TILTING = 13, 14, 15, 16
 load and the ground of the last minute have called for. Then the gyro's bias as
 the false tilting it makes, times gravity [m/s3]."""
 SIZE = 17
+
+LAGS = 10
+"""Accelerations kept, to hear how fast the motion changes."""
 
 GATED = 8
 """Flag: a speed was refused since the last estimate: it was further off than its sd allows."""
@@ -33,12 +36,14 @@ MEMORY = np.dtype(
     [
         ("time_ns", "i8"),
         ("measured_ns", "i8"),
+        ("agreed_ns", "i8"),
         ("imu_ns", "i8"),
         ("front_ns", "i8"),
         ("refused_ns", "i8", 3),
         ("flags", "i8"),
         ("known", "i8"),
         ("raised", "i8"),
+        ("lowered", "i8"),
         ("rear_ns", "i8"),
         ("rear_spans", "i8"),
         ("front_spans", "i8"),
@@ -49,11 +54,15 @@ MEMORY = np.dtype(
         ("grown", "f8", (SIZE, SIZE)),
         ("first_mps", "f8"),
         ("first_var", "f8"),
-        ("accel", "f8", 2),
+        ("accel", "f8", LAGS),
+        ("accel_ns", "i8", LAGS),
+        ("jerk_psd", "f8"),
         ("accel_count", "i8"),
         ("accel_var", "f8"),
         ("apart_mps", "f8"),
         ("rim_mps", "f8"),
+        ("spin", "f8"),
+        ("forgotten_s", "f8"),
         ("gyro_y", "f8"),
         ("gyro_y_known", "i8"),
         ("pitch_rad", "f8"),
@@ -70,11 +79,14 @@ MEMORY = np.dtype(
     ],
     align=True,
 )
-"""A plain value. `*_spans` is 1 while the counted travel has an unbroken origin; `shift`, `cut` and
-`grown` say what else than a measurement changed the state since the last prediction: what was
-added to the mean, which states began anew, what was added to the covariance. `first_*` is the
-ground speed before the filter has begun, `accel` the last two accelerations and `accel_var` the
-variance of their noise, `apart` the driven wheels' speeds right less left, `rim` their
-mean, averaged over some tenths of a second, `pitch_*` how the body
-has turned nose down, and had at the last wheel sample, `travelled` the way since sideslip is
-summed; `nis_*` and `refused` count for GNSS, IMU, front and rear, in this order."""
+"""A plain value. `agreed_ns` is when a ground speed last fitted well, `refused_ns` since when one
+does not. `*_spans` is 1 while the counted travel has an unbroken origin; `shift`, `cut` and `grown`
+say what else than a measurement changed the state since the last prediction: what was added to the
+mean, which states began anew, what was added to the covariance. `first_*` is the ground speed
+before the filter has begun; `accel` the last accelerations, newest first, `accel_var` the variance
+of their noise, `jerk_psd` the density of the jerk as they show it, `forgotten_s` the time over
+which accelerations are forgotten; `lowered` is 1 once the plough has been in the ground; `apart`
+the driven wheels' speeds right less left, `rim` their mean, averaged over some seconds, `spin` the
+factor of the noise on their motion; `pitch_*` how the body has turned nose down, and had at the
+last wheel sample; `travelled` the way since sideslip is summed; `nis_*` and `refused` count for
+GNSS, IMU, front and rear, in this order."""

@@ -1,19 +1,18 @@
 """How the state moves, and the rows that measure it.
 
     dv = a dt                         da = white (jerk)
+    dw = w' dt - (w - v / (1 - usual)) dt / tau
+                                      dw' = white, together with the jerk's (below)
     db = (tilting - g q) dt           q: pitch rate as the gyro has it, an input, nose down
-    ds = s' dt - (s - usual) dt / tau ds' = -s' / tau + white, against that of the jerk: under load
-                                      the wheels, held by the governor, keep their speed
-    slip = s + o                      o'' = -2 z w o' - w^2 o + white, w = 2 pi swing_hz
-    d rear travel  = w (1 + radius + quick radius) dt,   w = v / (1 - slip)
+    o'' = -2 z p o' - p^2 o + white   slip that comes of pitching, p = 2 pi swing_hz
+    d rear travel  = (w + rim o) (1 + radius + quick radius) dt
     d front travel = v (1 + skid + quick skid) dt
+    slip = 1 - v / (w + rim o)
 
-Inside the filter slip is 1 - v / w on both sides of 0, which for a braked wheel is not the reported
-(w - v) / max(|w|, |v|): so v + w slip = w stays one straight line, along which a filter that has
-nothing but the wheels' counts must stay uncertain. For the same reason its direction is taken from
-the counted speed, averaged (`rim`), and not from the estimates: a direction that trembles with them
-tells the filter, wrongly, where on the line it is (Huang, Mourikis and Roumeliotis 2010, on the
-consistency of the EKF).
+The states are the two speeds and not the slip: what counters, GNSS and accelerometers measure is
+then linear in them, and a filter that has nothing but the driven wheels' counts knows w and stays
+as uncertain of v as it is. With slip as the state, v / (1 - s) = w is a curve, along which the
+linearisation invents knowledge and drifts.
 
 Tractors on tyres pitch at 2 to 3 Hz without suspension, and slip with the forces that come of it.
 """
@@ -28,13 +27,13 @@ from estimators.compiled import compiled
 from estimators.kalman import Array, Record
 from estimators.slip_ekf.layout import (
     ACCEL_BIAS,
-    DS,
     FRONT_TRAVEL,
     LATE,
     QUICK_RADIUS,
     QUICK_SKID,
     RADIUS,
     REAR_TRAVEL,
+    RIM_RATE,
     SIZE,
     SKID,
     SWING,
@@ -43,12 +42,12 @@ from estimators.slip_ekf.layout import (
     USUAL,
     WHEEL_BIAS,
     A,
-    S,
     V,
+    W,
 )
 
-LARGEST_SLIP, LEAST_SLIP = 0.97, -20.0
-"""Slip is kept between these, so that the wheel's speed stays finite."""
+LARGEST_SLIP, LEAST_SLIP = 0.9, -2.0
+"""The usual slip is kept between these, so that the wheels' speed stays finite."""
 
 
 @compiled
@@ -58,15 +57,29 @@ def gearing(slip: float) -> float:
 
 
 @compiled
-def slip_of(x: Array) -> float:
-    """Slip of the driven axle."""
-    return float(x[S] + x[SWING])
+def rim_speed(x: Array, rim: float) -> float:
+    """Speed of the driven wheels' rims against the body, pitching's share with it [m/s]."""
+    return float(x[W] + rim * x[SWING])
 
 
 @compiled
-def slip_var(p: Array) -> float:
-    """Its variance."""
-    return float(p[S, S] + 2.0 * p[S, SWING] + p[SWING, SWING])
+def slip_var(p: Array, ground: float, wheel: float, rim: float, slow: float) -> float:
+    """Variance of (w - v) / max(|w|, |v|), at least `slow`, from that of v, w and the swing.
+
+    d slip = -dv / w + v / w^2 dw   where the wheels are the faster,   -w / v^2 dv + dw / v   else
+    """
+    if abs(wheel) >= abs(ground):
+        turning = math.copysign(max(abs(wheel), slow), wheel)
+        by_v, by_w = -1.0 / turning, ground / turning**2
+    else:
+        moving = math.copysign(max(abs(ground), slow), ground)
+        by_v, by_w = -wheel / moving**2, 1.0 / moving
+    total = 0.0
+    rows = ((V, by_v), (W, by_w), (SWING, by_w * rim))
+    for i, one in rows:
+        for k, other in rows:
+            total += one * other * p[i, k]
+    return float(max(total, 0.0))
 
 
 @compiled
@@ -124,58 +137,56 @@ def _fade(x: Array, p: Array, i: int, by: float, variance: float) -> None:
 
 
 @compiled
-def carry(x: Array, p: Array, rim: float, coupling: float, dt: float, tuning: Record) -> None:
+def carry(x: Array, p: Array, rim: float, restless: Array, dt: float, tuning: Record) -> None:
     """Predict over a step. The couplings are few, so P <- F P F^T goes row by row.
 
     Args:
         x: mean, (SIZE,), changed in place.
         p: covariance, (SIZE, SIZE), changed in place.
         rim: counted speed of the driven wheels, averaged [m/s].
-        coupling: correlation of the jerk's noise with the slip's, positive where one slows the
-            machine and the other lets it slip.
+        restless: densities of the noise on a', on w'' and of both together [m2/s5], and the time
+            over which both accelerations are forgotten [s]; `noise.unrest`.
         dt: the step [s].
         tuning: record of `tuning.TUNING`.
     """
     half = 0.5 * dt
     v = x[V] + half * x[A]
-    s = slip_of(x) + half * (x[DS] + x[SWING_RATE])
-    ratio = gearing(s)
+    w = rim_speed(x, rim) + half * (x[RIM_RATE] + rim * x[SWING_RATE])
     driven = 1.0 + x[RADIUS] + x[QUICK_RADIUS]
     towed = 1.0 + x[SKID] + x[QUICK_SKID]
     row = np.zeros(SIZE)
-    row[V], row[A] = dt * ratio * driven, dt * half * ratio * driven
-    row[S], row[DS] = dt * rim * ratio * driven, dt * half * rim * ratio * driven
-    row[SWING], row[SWING_RATE] = row[S], row[DS]
-    row[RADIUS] = row[QUICK_RADIUS] = dt * v * ratio
+    row[W], row[RIM_RATE] = dt * driven, dt * half * driven
+    row[SWING], row[SWING_RATE] = rim * row[W], rim * row[RIM_RATE]
+    row[RADIUS] = row[QUICK_RADIUS] = dt * rim
     _mix(p, REAR_TRAVEL, row)
     row[:] = 0.0
     row[V], row[A] = dt * towed, dt * half * towed
     row[SKID] = row[QUICK_SKID] = dt * v
     _mix(p, FRONT_TRAVEL, row)
+    x[REAR_TRAVEL] += dt * w * driven
+    x[FRONT_TRAVEL] += dt * v * towed
     row[:] = 0.0
     row[A] = dt
     _mix(p, V, row)
+    x[V] += dt * x[A]
     row[:] = 0.0
-    back = dt / tuning.usual_tau
-    row[DS], row[S], row[USUAL] = dt, -back, back
-    _mix(p, S, row)
+    back, ratio = dt / tuning.usual_tau, gearing(x[USUAL])
+    row[W], row[V], row[USUAL] = -back, back * ratio, back * rim * ratio
+    row[RIM_RATE] = dt
+    _mix(p, W, row)
+    x[W] += dt * x[RIM_RATE] + back * (x[V] * ratio - x[W])
     row[:] = 0.0
     row[TILTING] = dt
     _mix(p, ACCEL_BIAS, row)
     x[ACCEL_BIAS] += dt * x[TILTING]
-    x[REAR_TRAVEL] += dt * v * ratio * driven
-    x[FRONT_TRAVEL] += dt * v * towed
-    x[V] += dt * x[A]
-    x[S] = max(LEAST_SLIP, min(LARGEST_SLIP, x[S] + dt * x[DS] + back * (x[USUAL] - x[S])))
     _swing(x, p, dt, tuning)
-    _fade(x, p, A, math.exp(-dt / tuning.accel_tau), 0.0)
-    _fade(x, p, DS, math.exp(-dt / tuning.slip_tau), 0.0)
+    _fade(x, p, A, math.exp(-dt / restless[3]), 0.0)
+    _fade(x, p, RIM_RATE, math.exp(-dt / restless[3]), 0.0)
     _fade(x, p, QUICK_SKID, math.exp(-dt / tuning.quick_tau), tuning.quick_skid_sd**2)
     _fade(x, p, QUICK_RADIUS, math.exp(-dt / tuning.quick_tau), tuning.quick_radius_sd**2)
-    _integrated(p, V, A, tuning.jerk_psd, dt)
-    _integrated(p, S, DS, tuning.slip_psd, dt)
-    together = coupling * math.sqrt(tuning.jerk_psd * tuning.slip_psd)
-    _together(p, math.copysign(together, -x[V]), dt)
+    _integrated(p, V, A, restless[0], dt)
+    _integrated(p, W, RIM_RATE, restless[1], dt)
+    _together(p, restless[2], dt)
     p[ACCEL_BIAS, ACCEL_BIAS] += tuning.bias_psd * dt
     p[WHEEL_BIAS, WHEEL_BIAS] += tuning.bias_psd * dt
     p[RADIUS, RADIUS] += tuning.radius_psd * dt
@@ -195,12 +206,12 @@ def _integrated(p: Array, low: int, high: int, psd: float, dt: float) -> None:
 
 @compiled
 def _together(p: Array, density: float, dt: float) -> None:
-    """Joint density of the noise on jerk and on the slip's second derivative, integrated."""
-    for at_v, at_s, share in ((A, DS, dt), (V, DS, 0.5 * dt**2), (A, S, 0.5 * dt**2)):
-        p[at_v, at_s] += density * share
-        p[at_s, at_v] += density * share
-    p[V, S] += density * dt**3 / 3.0
-    p[S, V] += density * dt**3 / 3.0
+    """Joint density of the noise on the jerk and on w'', integrated."""
+    for at_v, at_w, share in ((A, RIM_RATE, dt), (V, RIM_RATE, 0.5 * dt**2), (A, W, 0.5 * dt**2)):
+        p[at_v, at_w] += density * share
+        p[at_w, at_v] += density * share
+    p[V, W] += density * dt**3 / 3.0
+    p[W, V] += density * dt**3 / 3.0
 
 
 @compiled
@@ -216,15 +227,12 @@ def ground_row(x: Array, age: float, h: Array) -> float:
 def rear_row(x: Array, rim: float, age: float, h: Array) -> float:
     """Speed of the driven wheels as their nominal radius gives it, `age` ago."""
     h[:] = 0.0
-    v = x[V] - age * x[A]
-    s = slip_of(x) - age * (x[DS] + x[SWING_RATE])
-    ratio = gearing(s)
+    w = rim_speed(x, rim) - age * (x[RIM_RATE] + rim * x[SWING_RATE])
     scale = 1.0 + x[RADIUS] + x[QUICK_RADIUS]
-    h[V], h[A] = ratio * scale, -age * ratio * scale
-    h[S], h[DS] = rim * ratio * scale, -age * rim * ratio * scale
-    h[SWING], h[SWING_RATE] = h[S], h[DS]
-    h[RADIUS] = h[QUICK_RADIUS] = v * ratio
-    return float(v * ratio * scale)
+    h[W], h[RIM_RATE] = scale, -age * scale
+    h[SWING], h[SWING_RATE] = rim * scale, -age * rim * scale
+    h[RADIUS] = h[QUICK_RADIUS] = rim
+    return float(w * scale)
 
 
 @compiled
@@ -239,16 +247,17 @@ def front_row(x: Array, age: float, h: Array) -> float:
 
 @compiled
 def wheel_accel_row(x: Array, usual_tau: float, h: Array) -> float:
-    """Acceleration of the driven wheels' rim: dw/dt + bias, dw/dt = a w/v + v (dw/ds)/v s'."""
+    """Acceleration of the driven wheels' rims: w' - (w - v / (1 - usual)) / tau + bias."""
     h[:] = 0.0
-    slip = slip_of(x)
-    rate = x[DS] + x[SWING_RATE] + (x[USUAL] - x[S]) / usual_tau
-    ratio = gearing(slip)
-    slope, steeper = ratio**2, 2.0 * ratio**3
-    h[V], h[A] = slope * rate, ratio
-    h[S] = h[SWING] = x[A] * slope + x[V] * steeper * rate
-    h[DS] = h[SWING_RATE] = x[V] * slope
-    h[USUAL] = x[V] * slope / usual_tau
-    h[S] -= h[USUAL]
-    h[WHEEL_BIAS] = 1.0
-    return float(x[A] * ratio + x[V] * slope * rate + x[WHEEL_BIAS])
+    ratio = gearing(x[USUAL])
+    h[RIM_RATE], h[W], h[WHEEL_BIAS] = 1.0, -1.0 / usual_tau, 1.0
+    h[V], h[USUAL] = ratio / usual_tau, x[V] * ratio**2 / usual_tau
+    return float(x[RIM_RATE] + (x[V] * ratio - x[W]) / usual_tau + x[WHEEL_BIAS])
+
+
+@compiled
+def zero_row(x: Array, zero_slip: float, h: Array) -> float:
+    """By how much the driven wheels' speed is off what a slip known beforehand makes it [m/s]."""
+    h[:] = 0.0
+    h[W], h[V] = 1.0 - zero_slip, -1.0
+    return float((1.0 - zero_slip) * x[W] - x[V])

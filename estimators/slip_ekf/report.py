@@ -30,13 +30,11 @@ def report(row: Record, signal: Record, nominal: Record, tuning: Record, memory:
     if not memory.known:
         return
     x, p = memory.x, memory.cov
-    ratio = model.gearing(model.slip_of(x))
     # the driveline turns with the body: over the ground the wheels turn by its pitching more
-    wheel = x[V] * ratio + radius(nominal, 1.0) * rate_now(memory)
+    wheel = model.rim_speed(x, memory.rim_mps) + radius(nominal, 1.0) * rate_now(memory)
     row.speed_mps, row.wheel_speed_mps = x[V], wheel
     row.slip = (wheel - x[V]) / max(abs(wheel), abs(x[V]), SLOW_MPS)
-    # of a braked wheel w / v - 1 is reported, which changes by (w / v)^2 of 1 - v / w
-    row.slip_sd = math.sqrt(max(model.slip_var(p), 0.0)) * min(1.0, ratio * ratio)
+    row.slip_sd = math.sqrt(model.slip_var(p, x[V], wheel, memory.rim_mps, SLOW_MPS))
     across = 0.5 * signal.yaw_rate_radps * nominal.track_rear_m
     for side, at in ((-1.0, 2), (1.0, 3)):
         rim = wheel + side * 0.5 * memory.apart_mps

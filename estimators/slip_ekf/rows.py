@@ -6,7 +6,11 @@ import numpy as np
 
 from estimators.compiled import compiled
 from estimators.kalman import Array, Record
-from estimators.slip_ekf.layout import RADIUS, V
+from estimators.slip_ekf.layout import ACCEL_BIAS, RADIUS, RIM_RATE, A, V, W
+
+AGREES, HELD_UP_S = 1.0, 0.2
+"""A ground speed within so many variances, so recently [s], speaks for the estimate that another
+contradicts."""
 
 
 @compiled
@@ -67,6 +71,15 @@ def grow(memory: Record, i: int, j: int, by: float) -> None:
 
 
 @compiled
+def _doubt(memory: Record, error: float, since_s: float) -> None:
+    """A speed has been off by `error` for so long: the accelerometer may be, by as much per time."""
+    doubted = ((V, error), (ACCEL_BIAS, -error / since_s))
+    for i, by in doubted:
+        for j, and_by in doubted:
+            grow(memory, i, j, by * and_by)
+
+
+@compiled
 def gated(
     memory: Record,
     source: int,
@@ -78,23 +91,62 @@ def gated(
 ) -> int:
     """Take a speed unless it is an outlier; 1 if it was taken.
 
-    Refused while e^2 > gate^2 (h P h^T + r), but not for longer than `patience`: what goes on is
-    the truth, and then the speed's variance grows by e^2 first.
+    Refused while e^2 > gate^2 (h P h^T + r), but not for longer than `patience`, or `trust` where
+    another speed holds the estimate up: what goes on is the truth, and then the speed's variance
+    grows by e^2 first.
     """
     variance = innovation_var(memory.cov, h, r)
     nis = error * error / variance
-    if nis > tuning.gate**2:
+    refused_s = (epoch_ns - memory.refused_ns[source]) * 1e-9
+    just_now = memory.refused_ns[source] >= 0 and refused_s < tuning.patience
+    within = tuning.back * tuning.gate if just_now else tuning.gate
+    if nis > within**2:
         memory.refused[source] += 1
         if memory.refused_ns[source] < 0:
             memory.refused_ns[source] = epoch_ns
-        if (epoch_ns - memory.refused_ns[source]) * 1e-9 < tuning.patience:
+        held_up = (epoch_ns - memory.agreed_ns) * 1e-9 < HELD_UP_S
+        patience = tuning.trust if held_up else tuning.patience
+        if (epoch_ns - memory.refused_ns[source]) * 1e-9 < patience:
             return 0
-        grow(memory, V, V, error * error)
+        _doubt(memory, error, max(refused_s, patience))
     else:
         count(memory, source, nis)
+        if nis < AGREES:
+            memory.agreed_ns = epoch_ns
     memory.refused_ns[source] = -1
     take(memory.x, memory.cov, h, error, r, memory.raised)
     return 1
+
+
+@compiled
+def surprise(memory: Record, source: int, h: Array, error: float, r: float, gate: float) -> float:
+    """By how much the innovation's variance falls short of e^2 / gate^2; 0 if it does not."""
+    variance = innovation_var(memory.cov, h, r)
+    count(memory, source, error * error / variance)
+    return float(error * error / 1.0 - variance) if error * error > gate**2 * variance else 0.0
+
+
+@compiled
+def jolt(memory: Record, grown: float, dt: float, correlation: float) -> None:
+    """Let the acceleration's variance grow by `grown`, and that of the wheels' with it.
+
+    A sudden load takes the ground's speed and leaves the governed wheels theirs, as far as
+    `correlation` says: dw' = (1 - c) da + noise of variance (1 - c^2) grown. When in the last dt
+    the change came is not known: evenly.
+    """
+    kept, apart = 1.0 - correlation, grown * (1.0 - correlation**2)
+    jolted = ((A, 1.0), (V, 0.5 * dt), (RIM_RATE, kept), (W, 0.5 * dt * kept))
+    for i, by in jolted:
+        for j, and_by in jolted:
+            grow(memory, i, j, grown * by * and_by)
+    when = dt * dt / 12.0 * grown
+    for i, by in ((V, 1.0), (W, kept)):
+        for j, and_by in ((V, 1.0), (W, kept)):
+            grow(memory, i, j, when * by * and_by)
+    grow(memory, RIM_RATE, RIM_RATE, apart)
+    grow(memory, W, W, dt * dt / 3.0 * apart)
+    grow(memory, W, RIM_RATE, 0.5 * dt * apart)
+    grow(memory, RIM_RATE, W, 0.5 * dt * apart)
 
 
 @compiled
@@ -115,11 +167,9 @@ def followed(
                       and as the change came over the last dt, evenly, the state `below`, whose
                       rate it is, by d dt^2 / 4, and their covariance by d dt / 2
     """
-    variance = innovation_var(memory.cov, h, r)
-    nis = error * error / variance
-    count(memory, source, nis)
-    if nis > gate**2 and h[state] != 0.0:
-        grown = (error * error / gate**2 - variance) / h[state] ** 2
+    grown = surprise(memory, source, h, error, r, gate)
+    if grown > 0.0 and h[state] != 0.0:
+        grown /= h[state] ** 2
         grow(memory, state, state, grown)
         if below != state:
             grow(memory, below, below, 0.25 * dt * dt * grown)

@@ -20,7 +20,7 @@ from estimators.layout import GNSS, OUT_OF_ORDER
 from estimators.slip_ekf import SLIP_EKF, SlipEkf, State, model
 from estimators.slip_ekf.driven import radius
 from estimators.slip_ekf.filter import advance, measure
-from estimators.slip_ekf.layout import DS, REAR_TRAVEL, SIZE, SWING, SWING_RATE, A, S, V
+from estimators.slip_ekf.layout import QUICK_RADIUS, RADIUS, REAR_TRAVEL, SIZE, USUAL, V, W
 from estimators.slip_ekf.raised import lifted
 from twin.streams import Setup, Streams, Table
 
@@ -62,6 +62,7 @@ class SlipEkfSmooth:
             shift=np.zeros((steps, SIZE)),
             cut=np.ones((steps, SIZE), np.int64),
             rim=np.zeros(steps),
+            forgotten_s=np.ones(steps),
         )
         nominal, tuning = reader.nominal[0], state.tuning[0]
         count = _forward(samples, raised, nominal, tuning, memory[0], *track.arrays())
@@ -84,6 +85,7 @@ class Track:
     shift: Array
     cut: np.ndarray[Any, np.dtype[np.int64]]
     rim: Array
+    forgotten_s: Array
 
     def arrays(self) -> tuple[Any, ...]:
         """In the order compiled code takes them."""
@@ -96,6 +98,7 @@ class Track:
             self.shift,
             self.cut,
             self.rim,
+            self.forgotten_s,
         )
 
 
@@ -114,6 +117,7 @@ def _forward(
     shift: Array,
     cut: Any,
     rim: Array,
+    forgotten_s: Array,
 ) -> int:
     """Run the filter and keep it at every instant; returns how many there were."""
     n, known_at = -1, 0
@@ -123,7 +127,7 @@ def _forward(
         if signal.flags & OUT_OF_ORDER:
             continue
         was_ns = memory.time_ns
-        advance(signal.epoch_ns, tuning, memory)
+        advance(signal.epoch_ns, nominal, tuning, memory)
         if memory.time_ns > was_ns or n < 0:
             n += 1
             epoch_ns[n] = memory.time_ns
@@ -132,6 +136,7 @@ def _forward(
             known_at = memory.known
         measure(signal, raised[i], h, nominal, tuning, memory)
         after[n], after_cov[n], rim[n] = memory.x, memory.cov, memory.rim_mps
+        forgotten_s[n] = memory.forgotten_s
         if known_at and memory.known:
             shift[n], cut[n] = memory.shift, memory.cut
             # what grew the covariance within an instant belongs to its prediction
@@ -140,22 +145,19 @@ def _forward(
 
 
 @compiled
-def _transition(x: Array, rim: float, dt: float, tuning: Record) -> Array:
-    """d carry(x) / dx by central differences, (SIZE, SIZE); of travel along `rim`, as forwards."""
+def _transition(x: Array, rim: float, forgotten_s: float, dt: float, tuning: Record) -> Array:
+    """d carry(x) / dx by central differences, (SIZE, SIZE); what goes with `rim`, as forwards."""
     f, unused = np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
+    restless = np.array([0.0, 0.0, 0.0, forgotten_s])
     for j in range(SIZE):
         up, down = x.copy(), x.copy()
         up[j] += NUDGE
         down[j] -= NUDGE
-        model.carry(up, unused, 0.0, 0.0, dt, tuning)
-        model.carry(down, unused, 0.0, 0.0, dt, tuning)
+        model.carry(up, unused, rim, restless, dt, tuning)
+        model.carry(down, unused, rim, restless, dt, tuning)
         f[:, j] = (up - down) / (2.0 * NUDGE)
-    half = 0.5 * dt
-    slip = model.slip_of(x) + half * (x[DS] + x[SWING_RATE])
-    wheel = (x[V] + half * x[A]) * model.gearing(slip)
-    if abs(wheel) > SLOW_MPS:
-        for j in (S, DS, SWING, SWING_RATE):
-            f[REAR_TRAVEL, j] *= rim / wheel
+    f[REAR_TRAVEL, RADIUS] = f[REAR_TRAVEL, QUICK_RADIUS] = dt * rim
+    f[W, USUAL] = dt / tuning.usual_tau * rim * model.gearing(x[USUAL])
     return f
 
 
@@ -171,6 +173,7 @@ def _backward(
     shift: Array,
     cut: Any,
     rim: Array,
+    forgotten_s: Array,
 ) -> None:
     """x_k <- x_k + G (x_k+1 - x-_k+1),  P_k <- P_k + G (P_k+1 - P-_k+1) G^T, in place.
 
@@ -182,7 +185,7 @@ def _backward(
         dt = (epoch_ns[k + 1] - epoch_ns[k]) * 1e-9
         if cut[k + 1].all():
             continue
-        f = _transition(after[k], rim[k], dt, tuning)
+        f = _transition(after[k], rim[k], forgotten_s[k + 1], dt, tuning)
         # a covariance of lengths, speeds and ratios: scaled to ones on its diagonal
         scale = np.sqrt(np.maximum(np.diag(before_cov[k + 1]), 1e-18))
         scaled = before_cov[k + 1] / np.outer(scale, scale) + 1e-9 * np.eye(SIZE)
@@ -213,10 +216,14 @@ def _estimates(
     at = np.searchsorted(track.epoch_ns[:count], table["epoch_ns"])
     known = np.isfinite(table["slip"])
     speed = track.after[at, V]
-    slips = np.array([model.slip_of(x) for x in track.after[at]])
-    variance = np.array([model.slip_var(p) for p in track.after_cov[at]])
-    ratios = np.array([model.gearing(s) for s in slips])
-    rim = speed * ratios + radius(nominal, 1.0) * _pitch_rate(chunk, table["epoch_ns"])
+    pitching = radius(nominal, 1.0) * _pitch_rate(chunk, table["epoch_ns"])
+    rim = np.array([model.rim_speed(track.after[k], track.rim[k]) for k in at]) + pitching
+    variance = np.array(
+        [
+            model.slip_var(track.after_cov[k], v, w, track.rim[k], SLOW_MPS)
+            for k, v, w in zip(at, speed, rim, strict=True)
+        ]
+    )
     slip = (rim - speed) / np.maximum(np.maximum(np.abs(rim), np.abs(speed)), SLOW_MPS)
     v_y, v_y_var = _across(samples, table["epoch_ns"], float(tuning["v_y_psd"]))
     yaw_rate = (table["v_y_mps"] - _forward_v_y(table)) / max(float(nominal["cg_x_m"]), 1e-9)
@@ -227,7 +234,7 @@ def _estimates(
         "speed_mps": speed,
         "wheel_speed_mps": rim,
         "slip": slip,
-        "slip_sd": np.sqrt(np.maximum(variance, 0.0)) * np.minimum(1.0, ratios**2),
+        "slip_sd": np.sqrt(variance),
     }
     across = {
         "v_y_mps": v_y_cg,

@@ -10,8 +10,8 @@ import numpy as np
 from joblib import delayed
 from numpy.typing import NDArray
 
-from scenarios.ima_pkf import Trial, simulate
-from scenarios.ima_pkf_signals import SETUP, streams
+from scenarios.ima_pkf import Trial, setup, simulate
+from scenarios.ima_pkf_signals import streams
 from twin.many import many
 
 Array = NDArray[np.float64]
@@ -46,11 +46,11 @@ def errors(estimate: Array, truth: Array, time_s: Array) -> Errors:
 def try_all(trial: Trial, estimators: Mapping[str, Any]) -> dict[str, Errors]:
     """Errors of each estimator in one trial; who has a seed takes the trial's."""
     signals = simulate(trial)
-    measured, out = streams(signals), {}
+    told, measured, out = setup(trial), streams(signals), {}
     for name, estimator in estimators.items():
         if hasattr(estimator, "seed"):
             estimator = replace(estimator, seed=trial.seed)
-        _, table = estimator.run(estimator.init(SETUP), measured)
+        _, table = estimator.run(estimator.init(told), measured)
         out[name] = errors(table["slip"], signals.slip, signals.time_s)
     return out
 

@@ -33,6 +33,8 @@ TRIALS_PER_SEED = 10
 """Trials of signals for each seed of a drive: they cost a hundredth."""
 DEPTHS_CM = (15, 20, 25, 30)
 OVER_BOUND = 1.3
+TAKEN = ("GNSS", "IMU", "front", "rear")
+"""Whose innovations the filter counts, in its order."""
 MASK_START_S = 60.0
 MASKS = {10.0: 0.015, 60.0: 0.02}
 """Length of a masking [s], and the largest slip error meant to be left with front encoders."""
@@ -139,18 +141,26 @@ def drive(case: Case, seed: int) -> dict[str, float]:
     """Errors of slip in one drive, by name."""
     done = run(replace(case.scenario, seed=seed), estimators={})
     streams = done.streams if case.front else without_front(done.streams)
-    window = scores.window_s(done.truth)
-    limit = bound(done.setup, streams, done.truth, window).slip_causal
-    if case.mask_s:
-        window = (MASK_START_S, MASK_START_S + case.mask_s)
+    whole = scores.window_s(done.truth)
+    within = (MASK_START_S, MASK_START_S + case.mask_s) if case.mask_s else whole
+    limit = bound(done.setup, streams, done.truth, whole, within).slip_causal
     found: dict[str, float] = {"bound": limit}
     for name in ("slip-ekf", "kf-tuned"):
         estimator = load("estimator", name)
-        _, table = estimator.run(estimator.init(done.setup), streams)
+        state, table = estimator.run(estimator.init(done.setup), streams)
         found |= {
-            f"{name} {key}": value for key, value in _errors(table, done.truth, window).items()
+            f"{name} {key}": value
+            for key, value in _errors(table, done.truth, whole, within).items()
         }
+        if name == "slip-ekf":
+            found |= _innovations(state.memory[0])
     return found
+
+
+def _innovations(memory: Any) -> dict[str, float]:
+    """Mean normalised innovation squared of each stream that was taken."""
+    sums, counts = memory["nis_sum"], memory["nis_count"]
+    return {f"nis {s}": float(sums[k] / counts[k]) for k, s in enumerate(TAKEN) if counts[k]}
 
 
 def without_front(streams: Streams) -> Streams:
@@ -161,20 +171,26 @@ def without_front(streams: Streams) -> Streams:
     return Streams({**streams.tables, "wheels": wheels})
 
 
-def _errors(table: Table, truth: Table, window_s: tuple[float, float]) -> dict[str, float]:
-    inside = (table["epoch_ns"] >= window_s[0] * 1e9) & (table["epoch_ns"] <= window_s[1] * 1e9)
-    error = table["slip"][inside] - scores.at(truth, "slip", table["epoch_ns"][inside])
-    sd, known = table["slip_sd"][inside], np.isfinite(error)
-    apart = error[known] - error[known].mean()
+def _errors(
+    table: Table, truth: Table, whole_s: tuple[float, float], within_s: tuple[float, float]
+) -> dict[str, float]:
+    """Errors within a part of the run, the bias told from what of the run is not in it, if any."""
+    time = table["epoch_ns"] * 1e-9
+    scored = (time >= whole_s[0]) & (time <= whole_s[1])
+    inside = (time >= within_s[0]) & (time <= within_s[1])
+    error = table["slip"] - scores.at(truth, "slip", table["epoch_ns"])
+    told_by = scored & ~inside if (scored & ~inside).any() else inside
+    bias = float(np.nanmean(error[told_by]))
+    known = inside & np.isfinite(error)
+    apart = np.abs(error[known] - bias)
     return {
-        "bias": float(error[known].mean()),
-        "sd": float(apart.std()),
-        "p999": float(np.quantile(np.abs(apart), 0.999)),
+        "bias": bias,
+        "sd": float(np.sqrt(np.mean(apart**2))),
+        "p999": float(np.quantile(apart, 0.999)),
         "max": float(np.abs(error[known]).max()),
         "mae": float(np.abs(error[known]).mean()),
-        "rmse": float(np.sqrt(np.mean(error[known] ** 2))),
-        "nees": float(np.mean((error[known] / sd[known]) ** 2)),
-        "missing": float(np.mean(~known)),
+        "nees": float(np.mean((error[known] / table["slip_sd"][known]) ** 2)),
+        "missing": float(np.mean(~np.isfinite(error[inside]))),
     }
 
 
@@ -182,25 +198,30 @@ def _case_rows(name: str, case: Case, found: Mapping[str, list[dict[str, float]]
     def middle(of: Callable[[dict[str, float]], float], among: str = name) -> float:
         return float(np.median([of(one) for one in found[among]]))
 
+    over = middle(lambda d: d["slip-ekf sd"] / d["bound"])
     out = [
         row(name, "sd of the slip error", middle(lambda d: d["slip-ekf sd"]), "1"),
         row(name, "bias", middle(lambda d: abs(d["slip-ekf bias"])), "1"),
         row(name, "NEES, bias within", middle(lambda d: d["slip-ekf nees"]), "1"),
         row(name, "samples without slip", middle(lambda d: d["slip-ekf missing"]), "1", high=0.0),
+        row(name, "causal bound", middle(lambda d: d["bound"]), "1"),
     ]
     if case.mask_s:
         most = MASKS[case.mask_s] if case.front else None
+        out.append(row(name, "sd over the bound", over, "1", high=OVER_BOUND))
         out.append(row(name, "largest error", middle(lambda d: d["slip-ekf max"]), "1", high=most))
     elif name.startswith("plough-"):
-        over = middle(lambda d: d["slip-ekf sd"] / d["bound"])
         tail = middle(lambda d: d["slip-ekf p999"] / (3.29 * d["bound"]))
         against = middle(lambda d: d["slip-ekf mae"] / d["kf-tuned mae"])
         out += [
-            row(name, "causal bound", middle(lambda d: d["bound"]), "1"),
             row(name, "sd over the bound", over, "1", high=OVER_BOUND),
             row(name, "99.9th percentile over the bound's", tail, "1", high=OVER_BOUND),
             row(name, "MAE over the tuned KF's", against, "1", high=0.5),
             row(name, "largest error", middle(lambda d: d["slip-ekf max"]), "1", published=LARGEST),
+        ]
+        out += [
+            row(name, f"NIS of {s}", middle(lambda d, s=s: d[f"nis {s}"]), "1")  # type: ignore[misc]
+            for s in TAKEN
         ]
     else:
         plain = middle(lambda d: d["slip-ekf sd"], "plough-25cm")
