@@ -72,7 +72,7 @@ def grow(memory: Record, i: int, j: int, by: float) -> None:
 
 @compiled
 def _doubt(memory: Record, error: float, since_s: float) -> None:
-    """A speed has been off by `error` for so long: the accelerometer may be, by as much per time."""
+    """A speed has been off by `error` for so long: by as much per time may the accelerometer be."""
     doubted = ((V, error), (ACCEL_BIAS, -error / since_s))
     for i, by in doubted:
         for j, and_by in doubted:

@@ -156,6 +156,66 @@ def test_kf_tuned():
     assert_consistent(nees_of_parallel(estimator, 20.0, 100, 150, bias_sd=0.3))
 
 
+AS_DRAWN = {
+    "restless": 1.0,
+    "quick_skid_sd": 1e-6,
+    "quick_radius_sd": 1e-6,
+    "swing_sd": 1e-6,
+    "late_sd": 1e-6,
+    "gate": 6.0,
+}
+"""Only what `slip_motion` draws, and no gate, which cuts the innovations it does not refuse."""
+
+
+def slip_motion(rng, e, n, dt=0.02):
+    """Speeds of ground and wheels as the slip filter models them, (n, 4): v, a, w, w'."""
+    psd = e.jerk_psd * np.array(
+        [
+            [1.0, 1.0 - e.load_correlation * e.slip_share],
+            [0.0, 1.0 + e.slip_share**2 - 2.0 * e.load_correlation * e.slip_share],
+        ]
+    )
+    psd[1, 0] = psd[0, 1]
+    fade = np.exp(-dt / e.accel_tau)
+    states = [np.array([1.7, 0.1 * rng.standard_normal(), 2.0, 0.1 * rng.standard_normal()])]
+    usual = 0.15 + 0.05 * rng.standard_normal()
+    for jolt in rng.multivariate_normal([0.0, 0.0], psd * dt, n - 1):
+        v, a, w, rate = states[-1]
+        v += dt * a
+        w += dt * rate - dt / e.usual_tau * (w - v / (1.0 - usual))
+        states.append(
+            np.array([v + 0.5 * dt * jolt[0], fade * a + jolt[0],
+                      w + 0.5 * dt * jolt[1], fade * rate + jolt[1]])
+        )  # fmt: skip
+    return np.array(states)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("radius_sd", [1e-5, 0.01])
+def test_slip_ekf(radius_sd):
+    """NEES of slip after 12 s, and NIS of every stream, in their two-sided 99.9 % bands."""
+    estimator = replace(SLIP_EKF, **AS_DRAWN, radius_sd=radius_sd)
+    nees, sums, counts = [], np.zeros(4), np.zeros(4)
+    for seed in range(100):
+        rng = np.random.default_rng((5, seed))
+        n = 600
+        v, a, w, _ = slip_motion(rng, estimator, n).T
+        leak = np.hypot(estimator.leak_sd, 0.1) * rng.standard_normal()
+        leak = leak + np.cumsum(np.sqrt(estimator.leak_psd * 0.02) * rng.standard_normal(n))
+        counted = w * (1.0 + radius_sd * rng.standard_normal())
+        front = v * (1.0 + estimator.skid_sd * rng.standard_normal())
+        stream = streams(rng, v, a + leak, np.array([counted, counted]).T, 0.02, front=front)
+        state, table = estimator.run(estimator.init(SETUP), stream)
+        nees.append(((table["slip"][-1] - (1.0 - v[-1] / w[-1])) / table["slip_sd"][-1]) ** 2)
+        sums, counts = sums + state.memory[0]["nis_sum"], counts + state.memory[0]["nis_count"]
+    assert_consistent(nees)
+    gnss, imu, front, rear = sums / counts
+    for found, count in ((gnss, counts[0]), (front, counts[2]), (rear, counts[3])):
+        low, high = chi2.ppf([0.0005, 0.9995], count) / count
+        assert low < found < high
+    assert 0.85 < imu < 1.0  # its variance is heard, and never taken for less than the data sheet's
+
+
 def test_with_nothing_but_driven_counters_the_slip_filter_knows_that_it_knows_little():
     """A minute after the last ground speed: errors as large as it says, over ten seeds.
 
