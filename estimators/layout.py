@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from twin.streams import COLUMNS, Setup
 from twin.streams import WHEELS as WHEEL_NAMES
 
-GNSS, IMU, WHEELS = (tuple(COLUMNS).index(s) for s in ("gnss", "imu", "wheels"))
+GNSS, IMU, WHEELS, CAMERA = (tuple(COLUMNS).index(s) for s in ("gnss", "imu", "wheels", "camera"))
 """Number of each sensor in `Streams.merge_order`."""
 
 GNSS_COLUMNS = (
@@ -22,6 +22,7 @@ GNSS_COLUMNS = (
     "velocity_sd_mps", "heading_sd_rad",
 )  # fmt: skip
 IMU_COLUMNS = ("gyro_x_radps", "gyro_y_radps", "gyro_z_radps", "accel_x_mps2", "accel_y_mps2")
+CAMERA_COLUMNS = ("v_x_mps", "var_x_m2ps2", "used")
 WHEEL_COLUMNS = (
     *(f"ticks_{w}" for w in WHEEL_NAMES),
     *(f"speed_{w}_mps" for w in WHEEL_NAMES),
@@ -58,6 +59,7 @@ NOMINAL = np.dtype(
         ("accel_sd_mps2", "f8"),
         ("accel_bias_sd_mps2", "f8"),
         ("gravity", "f8"),
+        ("camera_y_m", "f8"),
     ],
     align=True,
 )
@@ -91,14 +93,14 @@ SIGNALS = np.dtype(
     align=True,
 )
 """One sample as speeds, at the rear-axle centre, along (x) and across (y) the body in the ground
-plane. `v_x`, `v_sd` stand in GNSS samples, `accel` and, as measured, `accel_x` and `gyro_y` in the
-IMU's, `wheel_*` in the wheels', else NaN. `wheel_age_s`: the speed is that of this much before the
-epoch. `one_*_speed`: those wheels' speeds are one and the same number. The rest is held from the
-last sample that told it."""
+plane. `v_x`, `v_sd` stand in GNSS samples and in a camera's, `accel` and, as measured, `accel_x`
+and `gyro_y` in the IMU's, `wheel_*` in the wheels', else NaN. `wheel_age_s`: the speed is that of
+this much before the epoch. `one_*_speed`: those wheels' speeds are one and the same number. The
+rest is held from the last sample that told it."""
 
 MEMORY = np.dtype(
     [
-        ("epoch_ns", "i8", 3),
+        ("epoch_ns", "i8", len(COLUMNS)),
         ("tick_ns", "i8", 4),
         ("tick", "f8", 4),
         ("direction", "f8"),
@@ -163,4 +165,5 @@ def nominal(setup: Setup) -> tuple[Any, ...]:
         accel_sd,
         imu.accel_bias_sd_mps2 if imu else 0.0,
         float(imu.gravity) if imu else 1.0,
+        setup.camera.lever_arm_m[1] if setup.camera else 0.0,
     )

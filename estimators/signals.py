@@ -18,6 +18,8 @@ from estimators import antenna, inertial, wheel_speed
 from estimators.compiled import compiled
 from estimators.kalman import Record
 from estimators.layout import (
+    CAMERA,
+    CAMERA_COLUMNS,
     GNSS,
     GNSS_COLUMNS,
     HISTORY,
@@ -54,24 +56,32 @@ def start(setup: Setup) -> Reader:
     return Reader(np.array([nominal(setup)], NOMINAL), memory)
 
 
-def read(reader: Reader, chunk: Streams) -> tuple[Reader, Records]:
+def read(
+    reader: Reader, chunk: Streams, sensors: tuple[str, ...] = ("gnss", "imu", "wheels")
+) -> tuple[Reader, Records]:
     """The signals of a chunk.
 
+    Args:
+        reader: what the signals so far have left behind.
+        chunk: the streams.
+        sensors: which of them are read; "camera" too, for who knows what to do with it.
+
     Returns:
-        The reader after the chunk, and one record of `layout.SIGNALS` per sample of GNSS, IMU and
-        wheels, in order of arrival.
+        The reader after the chunk, and one record of `layout.SIGNALS` per sample of those sensors,
+        in order of arrival.
     """
-    used = Streams({s: chunk[s] for s in ("gnss", "imu", "wheels") if s in chunk})
+    used = Streams({s: chunk[s] for s in sensors if s in chunk})
     sensor, row = used.merge_order()
     memory, signals = reader.memory.copy(), blank(SIGNALS, len(sensor))
     if len(sensor):
-        gnss, imu, wheels = (
+        gnss, imu, wheels, camera = (
             _matrix(used, "gnss", GNSS_COLUMNS),
             _matrix(used, "imu", IMU_COLUMNS),
             _matrix(used, "wheels", WHEEL_COLUMNS),
+            _matrix(used, "camera", CAMERA_COLUMNS),
         )
         signals["sensor"], signals["epoch_ns"] = sensor, _epochs(used, sensor, row)
-        _read(row, gnss, imu, wheels, reader.nominal[0], memory[0], signals)
+        _read(row, gnss, imu, wheels, camera, reader.nominal[0], memory[0], signals)
     return Reader(reader.nominal, memory), signals
 
 
@@ -100,6 +110,7 @@ def _read(
     gnss: NDArray[np.float64],
     imu: NDArray[np.float64],
     wheels: NDArray[np.float64],
+    camera: NDArray[np.float64],
     nominal: Record,
     memory: Record,
     signals: Records,
@@ -120,6 +131,11 @@ def _read(
             inertial.read(imu[rows[i]], epoch_ns, dt, nominal, memory, signal)
         elif sensor == WHEELS:
             wheel_speed.read(wheels[rows[i]], epoch_ns, nominal, memory, signal)
+        elif sensor == CAMERA:
+            speed, variance, used = camera[rows[i]]
+            if used == 1.0 and variance >= 0.0:
+                signal.v_x_mps = speed + memory.yaw_rate_radps * nominal.camera_y_m
+                signal.v_sd_mps = np.sqrt(variance)
         signal.yaw_rate_radps = memory.yaw_rate_radps
         signal.pitch_rate_radps = memory.history[memory.imu_samples % HISTORY, 1]
         signal.v_y_held_mps = memory.v_y_mps

@@ -17,7 +17,7 @@ from estimators import signals
 from estimators.estimate import ROW
 from estimators.slip_ekf.filter import loop
 from estimators.slip_ekf.layout import MEMORY
-from estimators.slip_ekf.raised import Lift, lifted, start
+from estimators.slip_ekf.raised import USED, Lift, lifted, start
 from estimators.slip_ekf.tuning import TUNING
 from twin.streams import ESTIMATES, Setup, Streams, Table
 
@@ -121,6 +121,12 @@ class SlipEkf:
     """sd of that."""
     settle_sd: float = 0.05
     """sd by which gravity's leak changes then, as the body settles another way [m/s2]."""
+    camera_scale_sd: float = 0.02
+    """sd of the error of a camera's speed, that of its height: 1 cm in 0.5 m."""
+    camera_scale_psd: float = 1e-6
+    """Density of its walk, as the chassis sinks [1/s]."""
+    camera_sd: float = 0.005
+    """sd of its quick part, as the chassis shakes."""
     v_y_psd: float = 4e-4
     """Density of the walk of the velocity across the body [m2/s3]."""
     mount_sd: float = 0.00175
@@ -143,7 +149,7 @@ class SlipEkf:
 
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
         """The state after the chunk, and an estimate for each of its wheel samples."""
-        reader, samples = signals.read(state.reader, chunk)
+        reader, samples = signals.read(state.reader, chunk, USED)
         lift, raised = lifted(state.lift, chunk)
         memory = state.memory.copy()
         rows = np.zeros(len(samples), ROW)

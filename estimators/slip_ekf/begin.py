@@ -11,6 +11,7 @@ from estimators.kalman import Record
 from estimators.slip_ekf.driven import axle
 from estimators.slip_ekf.layout import (
     ACCEL_BIAS,
+    CAMERA_SCALE,
     FRONT_TRAVEL,
     LATE,
     QUICK_RADIUS,
@@ -70,6 +71,7 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
         (QUICK_SKID, tuning.quick_skid_sd),
         (QUICK_RADIUS, tuning.quick_radius_sd),
         (LATE, tuning.late_sd),
+        (CAMERA_SCALE, tuning.camera_scale_sd),
         (WHEEL_BIAS, bias_sd),
         (SWING, tuning.swing_sd),
         (SWING_RATE, tuning.swing_sd * 2.0 * math.pi * tuning.swing_hz),

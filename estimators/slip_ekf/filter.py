@@ -8,7 +8,16 @@ import numpy as np
 
 from estimators.compiled import compiled
 from estimators.kalman import Array, Record
-from estimators.layout import GNSS, GRAVITY_MPS2, IMU, OUT_OF_ORDER, RESTARTED, STALE_S, WHEELS
+from estimators.layout import (
+    CAMERA,
+    GNSS,
+    GRAVITY_MPS2,
+    IMU,
+    OUT_OF_ORDER,
+    RESTARTED,
+    STALE_S,
+    WHEELS,
+)
 from estimators.slip_ekf import model
 from estimators.slip_ekf.counts import take_wheels
 from estimators.slip_ekf.layout import ACCEL_BIAS, GATED, SIZE, TILTING, A, V
@@ -16,7 +25,7 @@ from estimators.slip_ekf.noise import jerk_psd, listen, unrest
 from estimators.slip_ekf.pitch import turn
 from estimators.slip_ekf.report import report
 from estimators.slip_ekf.rows import gated, jolt, restart, shift, surprise, take
-from estimators.slip_ekf.tuning import FROM_GNSS, FROM_IMU
+from estimators.slip_ekf.tuning import FROM_CAMERA, FROM_GNSS, FROM_IMU
 
 
 @compiled
@@ -50,6 +59,8 @@ def measure(
         _take_gnss(signal, age, h, tuning, memory)
     elif signal.sensor == IMU:
         _take_imu(signal, age, h, nominal, tuning, memory)
+    elif signal.sensor == CAMERA:
+        _take_camera(signal, age, h, tuning, memory)
     elif signal.sensor == WHEELS:
         take_wheels(signal, age, raised, h, nominal, tuning, memory)
         return True
@@ -96,6 +107,25 @@ def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Rec
             memory.measured_ns = signal.epoch_ns
     if np.isfinite(signal.v_y_held_mps) and np.isfinite(speed):
         _take_across(signal, tuning, memory)
+
+
+@compiled
+def _take_camera(signal: Record, age: float, h: Array, tuning: Record, memory: Record) -> None:
+    """A camera's forward speed; its own height is not known, and moves."""
+    speed = signal.v_x_mps
+    if not (np.isfinite(speed) and np.isfinite(signal.v_sd_mps)):
+        return
+    variance = signal.v_sd_mps**2 + (tuning.camera_sd * speed) ** 2
+    if not memory.known:
+        if not np.isfinite(memory.first_mps):
+            memory.first_mps = speed
+            memory.first_var = variance + (tuning.camera_scale_sd * speed) ** 2
+        return
+    error = speed - model.camera_row(memory.x, age, h)
+    if gated(memory, FROM_CAMERA, h, error, variance, signal.epoch_ns, tuning):
+        memory.measured_ns = signal.epoch_ns
+    else:
+        memory.flags |= GATED
 
 
 @compiled

@@ -12,11 +12,12 @@ SKID, QUICK_SKID, FRONT_TRAVEL, WHEEL_BIAS, LATE, QUICK_RADIUS = range(7, 13)
 """Slow and quick error of the front wheels' travel over the ground's, their travel less what has
 been counted [m], bias of a wheel accelerometer [m/s2], time by which GNSS is later than it
 says [s], quick error of the driven radius under changing load."""
-SWING, SWING_RATE, USUAL, TILTING = 13, 14, 15, 16
+SWING, SWING_RATE, USUAL, TILTING, CAMERA_SCALE = 13, 14, 15, 16, 17
 """Slip that comes and goes as the body pitches on its tyres, its rate [1/s], and the slip that the
 load and the ground of the last minute have called for. Then the gyro's bias as
-the false tilting it makes, times gravity [m/s3]."""
-SIZE = 17
+the false tilting it makes, times gravity [m/s3], and the error of a camera's speed, which is that
+of its height."""
+SIZE = 18
 
 LAGS = 10
 """Accelerations kept, to hear how fast the motion changes."""
@@ -39,7 +40,7 @@ MEMORY = np.dtype(
         ("agreed_ns", "i8"),
         ("imu_ns", "i8"),
         ("front_ns", "i8"),
-        ("refused_ns", "i8", 3),
+        ("refused_ns", "i8", 5),
         ("flags", "i8"),
         ("known", "i8"),
         ("raised", "i8"),
@@ -73,9 +74,9 @@ MEMORY = np.dtype(
         ("v_y_var", "f8"),
         ("v_y_ns", "i8"),
         ("travelled_m", "f8"),
-        ("nis_sum", "f8", 4),
-        ("nis_count", "i8", 4),
-        ("refused", "i8", 4),
+        ("nis_sum", "f8", 5),
+        ("nis_count", "i8", 5),
+        ("refused", "i8", 5),
     ],
     align=True,
 )
@@ -89,4 +90,4 @@ which accelerations are forgotten; `lowered` is 1 once the plough has been in th
 the driven wheels' speeds right less left, `rim` their mean, averaged over some seconds, `spin` the
 factor of the noise on their motion; `pitch_*` how the body has turned nose down, and had at the
 last wheel sample; `travelled` the way since sideslip is summed; `nis_*` and `refused` count for
-GNSS, IMU, front and rear, in this order."""
+GNSS, IMU, front, rear and camera, in this order."""

@@ -27,6 +27,7 @@ from estimators.compiled import compiled
 from estimators.kalman import Array, Record
 from estimators.slip_ekf.layout import (
     ACCEL_BIAS,
+    CAMERA_SCALE,
     FRONT_TRAVEL,
     LATE,
     QUICK_RADIUS,
@@ -192,6 +193,7 @@ def carry(x: Array, p: Array, rim: float, restless: Array, dt: float, tuning: Re
     p[RADIUS, RADIUS] += tuning.radius_psd * dt
     p[SKID, SKID] += tuning.skid_psd * dt
     p[USUAL, USUAL] += tuning.usual_psd * dt
+    p[CAMERA_SCALE, CAMERA_SCALE] += tuning.camera_scale_psd * dt
     p[LATE, LATE] += 1e-9 * dt
 
 
@@ -242,6 +244,15 @@ def front_row(x: Array, age: float, h: Array) -> float:
     v = x[V] - age * x[A]
     scale = 1.0 + x[SKID] + x[QUICK_SKID]
     h[V], h[A], h[SKID], h[QUICK_SKID] = scale, -age * scale, v, v
+    return float(v * scale)
+
+
+@compiled
+def camera_row(x: Array, age: float, h: Array) -> float:
+    """Ground speed as a camera of nominal height has it, `age` ago."""
+    h[:] = 0.0
+    v, scale = x[V] - age * x[A], 1.0 + x[CAMERA_SCALE]
+    h[V], h[A], h[CAMERA_SCALE] = scale, -age * scale, v
     return float(v * scale)
 
 

@@ -13,7 +13,8 @@ CLEAR_M = -0.05
 """Out of the ground: the shares are this much above it."""
 DOWN_M = 0.03
 """In the ground. Between the two, and before any sample, nothing is known."""
-USED = ("gnss", "imu", "wheels")
+USED = ("gnss", "imu", "wheels", "camera")
+"""The sensors the filter takes."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ def lifted(lift: Lift, chunk: Streams) -> tuple[Lift, NDArray[np.float64]]:
     depth = zero - laser cos(inclination)
 
     Returns:
-        What is known after the chunk, and one value per sample of GNSS, IMU and wheels in order of
+        What is known after the chunk, and one value per sample of USED in order of
         arrival: 1 out of the ground, 0 in it, NaN unknown.
     """
     used = Streams({s: chunk[s] for s in (*USED, "depth") if s in chunk})

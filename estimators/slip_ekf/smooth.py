@@ -21,7 +21,7 @@ from estimators.slip_ekf import SLIP_EKF, SlipEkf, State, model
 from estimators.slip_ekf.driven import radius
 from estimators.slip_ekf.filter import advance, measure
 from estimators.slip_ekf.layout import QUICK_RADIUS, RADIUS, REAR_TRAVEL, SIZE, USUAL, V, W
-from estimators.slip_ekf.raised import lifted
+from estimators.slip_ekf.raised import USED, lifted
 from twin.streams import Setup, Streams, Table
 
 NUDGE = 1e-5
@@ -50,7 +50,7 @@ class SlipEkfSmooth:
         after, table = self.filter.run(state, chunk)
         if not len(table["epoch_ns"]):
             return after, table
-        reader, samples = signals.read(state.reader, chunk)
+        reader, samples = signals.read(state.reader, chunk, USED)
         _, raised = lifted(state.lift, chunk)
         memory, steps = state.memory.copy(), len(samples) + 1
         track = Track(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-FROM_GNSS, FROM_IMU, FROM_FRONT, FROM_REAR = range(4)
+FROM_GNSS, FROM_IMU, FROM_FRONT, FROM_REAR, FROM_CAMERA = range(5)
 
 TUNING = np.dtype(
     [
@@ -17,7 +17,8 @@ TUNING = np.dtype(
             "radius_psd", "skid_sd", "skid_psd", "quick_skid_sd", "quick_radius_sd",
             "quick_tau", "late_sd", "gate", "back", "patience", "trust", "follow",
             "zero_slip", "zero_slip_sd", "unload", "unload_sd", "load", "load_sd",
-            "settle_sd", "v_y_psd", "mount_sd", "accel_floor_sd",
+            "settle_sd", "camera_scale_sd", "camera_scale_psd", "camera_sd",
+            "v_y_psd", "mount_sd", "accel_floor_sd",
         )
     ],
     align=True,
