@@ -7,8 +7,18 @@ pytest.importorskip("cv2")
 
 from twin.registry import load
 from twin.reproduce import cross_slope, cross_slope_trial
-from twin.reproduce.cross_slope import CELLS, OWN, bound_sd_m, drive, error_rows, growth, total_rows
+from twin.reproduce.cross_slope import (
+    CELLS,
+    OWN,
+    Limits,
+    bound_sd_m,
+    drive,
+    error_rows,
+    growth,
+    total_rows,
+)
 from twin.reproduce.cross_slope_trial import Estimate, Trial
+from twin.run import run
 
 
 def made(slope, soil, error_m=0.002, sd_m=0.002):
@@ -47,13 +57,24 @@ def test_rows_hold_where_all_is_as_published_and_not_where_sd_or_error_lie():
 
 
 def test_the_bound_is_its_formula():
-    assert bound_sd_m(9.0, 9.0) == pytest.approx(
-        np.sqrt(
-            (0.6e-3 * np.sqrt(0.3)) ** 2
-            + (9.0 * 0.6e-3 / np.sqrt(1200) / 0.98) ** 2
-            + (0.35 * 4e-5 * 9.0) ** 2
-        )
-    )
+    """Each term by itself, the others' causes taken away."""
+    none = Limits(frame_sd_mps=0.0, velocity_sd_mps=0.0, heading_sd_rad=0.0, gyro_radps_rthz=0.0,
+                  gyro_wander_radps=0.0, gyro_scale=0.0)  # fmt: skip
+
+    def bound(**causes):
+        return bound_sd_m(0.33, 9.0, 0.14, replace(none, **causes))
+
+    assert bound() == 0.0
+    one = 1e-3
+    assert bound(frame_sd_mps=one) == pytest.approx(one * np.sqrt(0.3 + 81 / 1200))
+    assert bound(velocity_sd_mps=one) == pytest.approx(0.33 * one / 0.98 / np.sqrt(800))
+    assert bound(gyro_scale=one) == pytest.approx(0.63 * 0.14 * one)
+    in_run, before = 0.63 * np.sqrt(9.0), 0.98 * 9.0 / np.sqrt(40.0)
+    assert bound(gyro_radps_rthz=one) == pytest.approx(one * np.hypot(in_run, before))
+    assert bound(gyro_wander_radps=one) == pytest.approx(0.63 * 9.0 * one * np.sqrt(0.22))
+    t = (np.arange(400) - 199.5) / 20.0  # least squares of a slope through a leg's headings
+    slope_sd = one / np.sqrt((t**2).sum()) / np.sqrt(2.0)
+    assert bound(heading_sd_rad=one) == pytest.approx(0.35 * 9.0 * slope_sd, rel=1e-4)
 
 
 def test_growth_is_one_for_a_steady_slide():
@@ -84,7 +105,13 @@ def test_a_drive_is_estimated_open_and_masked(monkeypatch):
     monkeypatch.setattr(
         cross_slope_trial, "load", lambda kind, n: short if kind == "scenario" else real(kind, n)
     )
-    found = cross_slope_trial.trial("slope-18-wet", 3, 18.0)
+    found, calibrated = cross_slope_trial.trial("slope-18-wet", 3, 18.0)
+    again, same = cross_slope_trial.trial("", 3, 18.0, papers=False, before=calibrated)
+    assert same is calibrated
+    assert again.estimates == {k: e for k, e in found.estimates.items() if k[0] == OWN}
+    whole = run(replace(short, seed=3), estimators={OWN: load("estimator", OWN)})
+    told = whole.estimates[OWN]["sideslip_m"]
+    assert found.estimates[OWN, False].told_m == told[np.isfinite(told)][-1] - told[0]
     assert found.total_m < -0.1
     for masked in (False, True):
         own = found.estimates[OWN, masked]

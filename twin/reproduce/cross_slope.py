@@ -21,7 +21,7 @@ from twin.machine.build import build
 from twin.machine.simulate import simulate
 from twin.many import many
 from twin.registry import load
-from twin.reproduce.cross_slope_trial import OWN, Estimate, Trial, trial
+from twin.reproduce.cross_slope_trial import OWN, Calibrated, Estimate, Trial, trial
 from twin.reproduce.passes import NO_SENSORS
 from twin.rows import row
 from twin.scenario import Scenario
@@ -40,7 +40,7 @@ SET_WITHIN, FREE_WITHIN = 0.04, 0.08
 RATIO, RATIO_WITHIN = 1.335, 0.03
 MOST = {False: 0.025, True: 0.035}
 """Largest median relative error, antennas open and masked."""
-WORST_OF_MEDIAN = 3.0
+WORST_OF_MEDIAN, WORST_OF_BOUND = 3.0, 3.0
 OF_BOUND = 1.3
 SWEEP_DEG = (6, 9, 12, 18)
 GAUSSIAN_MEDIAN = 0.6745
@@ -49,43 +49,85 @@ GAUSSIAN_MEDIAN = 0.6745
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """Errors that no estimator can take out, for the bound of a cell."""
+    """What the sensors' data sheets and the calibration leave unknown, for the bound of a cell."""
 
-    frame_sd_mps: float = 0.6e-3
+    frame_sd_mps: float = 0.16e-3
     """Lateral speed from one frame: the odometry's own sd."""
-    rate_hz: float = 30.0
-    calibration_s: float = 40.0
+    frames_hz: float = 30.0
+    gnss_hz: float = 20.0
+    velocity_sd_mps: float = 0.03
+    heading_sd_rad: float = math.radians(0.36)
+    """Of a baseline of 0.56 m."""
+    gyro_radps_rthz: float = math.radians(0.005)
+    gyro_wander_radps: float = math.radians(0.0012) / 0.6174
+    """sd of its wandering bias."""
+    wander_s: float = 300.0
+    gyro_scale: float = 1e-3
+    legs: int = 2
+    leg_s: float = 20.0
+    apart_s: float = 33.0
+    """From the middle of the calibration to that of the run."""
     speed_mps: float = 0.98
-    gyro_sd_radps: float = 4e-5
-    """Of the gyro's bias after 40 s against 800 headings of 0.36 degree, out and back."""
-    cg_x_m: float = 0.35
+    camera_m: float = 0.98
+    """Ahead of the rear axle."""
+    cg_m: float = 0.35
 
 
-def bound_sd_m(length_m: float, time_s: float, limits: Limits | None = None) -> float:
-    """Least sd of a total by the camera, if its errors are independent from frame to frame.
+def bound_sd_m(
+    total_m: float, time_s: float, turned_rad: float, limits: Limits | None = None
+) -> float:
+    """Least sd of a total from frames, gyro, and velocities and headings of GNSS.
 
-        var = s^2 T / f + (L s / (v sqrt(f T_c)))^2 + (x_cg s_g T)^2
+        var = s^2 T / f                                           the run's frames
+            + (s T)^2 / (f T_c)                                   camera yaw: the calibration's
+            + (S s_v / v)^2 / (f_g T_c)                           camera scale: Doppler there
+            + (x_cg T)^2 12 s_h^2 / (n f_g t^3)                   gyro bias: n legs' headings
+            + (N x_c T)^2 / T_c                                   gyro noise against camera yaw
+            + (x_c - x_cg)^2 (N^2 T + 2 B^2 T^2 D / tau + (e A)^2)    gyro in the run
 
-    The frames of the run; the camera's yaw, which only the frames of the calibration tell, over the
-    length L; the turning between rear axle and centre of gravity, which the gyro's bias blurs.
-    GNSS adds nothing: 0.03 m/s at 20 Hz is 20 mm in 9 s.
+    over T and the calibration's T_c = n t: a total S of the centre of gravity, x_cg ahead of the
+    rear axle, seen by a camera x_c ahead, so that turning by A between them is the gyro's: noise N,
+    wander of bias B in the time D, scale e. A bias that the calibration took for camera yaw acts at
+    x_cg alone. The picture's own turn cannot help: rolling by 0.2 degree on the slope changes it
+    by 1.7 degrees in 9 s. Positions, whose error wanders by some mm in a leg, are not counted;
+    they might tell the scale to 3e-4.
     """
     own = limits or Limits()
-    frames_m = own.frame_sd_mps * math.sqrt(time_s / own.rate_hz)
-    yaw_rad = own.frame_sd_mps / math.sqrt(own.rate_hz * own.calibration_s) / own.speed_mps
-    turning_m = own.cg_x_m * own.gyro_sd_radps * time_s
-    return math.sqrt(frames_m**2 + (length_m * yaw_rad) ** 2 + turning_m**2)
+    calibration_s, arm_m = own.legs * own.leg_s, own.camera_m - own.cg_m
+    frames = own.frame_sd_mps**2 * time_s / own.frames_hz
+    yaw = (own.frame_sd_mps * time_s) ** 2 / (own.frames_hz * calibration_s)
+    scale = (total_m * own.velocity_sd_mps / own.speed_mps) ** 2 / (own.gnss_hz * calibration_s)
+    bias = 12.0 * own.heading_sd_rad**2 / (own.legs * own.gnss_hz * own.leg_s**3)
+    level = (own.gyro_radps_rthz * own.camera_m * time_s) ** 2 / calibration_s
+    wander = 2.0 * own.gyro_wander_radps**2 * own.apart_s / own.wander_s
+    turning = (
+        own.gyro_radps_rthz**2 * time_s + wander * time_s**2 + (own.gyro_scale * turned_rad) ** 2
+    )
+    gyro = (own.cg_m * time_s) ** 2 * bias + level + arm_m**2 * turning
+    return math.sqrt(frames + yaw + scale + gyro)
 
 
 def rows(trials: int = 30, jobs: int = 1) -> list[dict[str, Any]]:
-    """All rows, over `trials` seeds of each cell."""
-    cases = [(slope, soil, seed) for slope, soil in CELLS for seed in range(trials)]
-    named = [(f"slope-{slope}-{soil}", seed, float(slope)) for slope, soil, seed in cases]
-    done = many((delayed(trial)(*case) for case in named), jobs)
+    """All rows, over `trials` seeds of each cell; the paper's chains over a third of them."""
+    cases = [(soil, seed) for soil in ("dry", "wet") for seed in range(trials)]
+    named = [(soil, seed, 3 * seed < trials) for soil, seed in cases]
+    done = many((delayed(both_slopes)(*case) for case in named), jobs)
     cells: dict[tuple[int, str], list[Trial]] = {cell: [] for cell in CELLS}
-    for (slope, soil, _), found in zip(cases, done, strict=True):
-        cells[slope, soil].append(found)
+    for (soil, _), found in zip(cases, done, strict=True):
+        for slope, made in found.items():
+            cells[slope, soil].append(made)
     return [*total_rows(cells), *sweep_rows(), *error_rows(cells), *taishan_rows(trials, jobs)]
+
+
+def both_slopes(soil: str, seed: int, papers: bool) -> dict[int, Trial]:
+    """The trials of both slopes, which begin with one calibration."""
+    found: dict[int, Trial] = {}
+    before: Calibrated | None = None
+    for slope in (9, 18):
+        found[slope], before = trial(
+            f"slope-{slope}-{soil}", seed, float(slope), papers=papers, before=before
+        )
+    return found
 
 
 def total_rows(cells: dict[tuple[int, str], list[Trial]]) -> list[dict[str, Any]]:
@@ -156,7 +198,10 @@ def error_rows(cells: dict[tuple[int, str], list[Trial]]) -> list[dict[str, Any]
             out += own_rows(case, own, runs, masked, PUBLISHED_ERROR.get((slope, soil, masked)))
             methods = [m for m, hidden in runs[0].estimates if hidden == masked and m != OWN]
             for method in methods:
-                error = np.median([t.estimates[method, masked].relative for t in runs])
+                told = [
+                    t.estimates[method, masked] for t in runs if (method, masked) in t.estimates
+                ]
+                error = np.median([e.relative for e in told])
                 out.append(row(case, f"{method}: median error", float(error), "1"))
     return out
 
@@ -170,18 +215,20 @@ def own_rows(
     length = float(np.mean([t.length_m for t in runs]))
     total = float(np.mean([abs(e.true_m) for e in own]))
     error_m = float(np.median([abs(e.error_m) for e in own]))
-    bound_m = bound_sd_m(length, float(np.mean([t.time_s for t in runs])))
+    turned_rad = math.radians(float(np.mean([abs(t.exit_heading_deg) for t in runs])))
+    bound_m = bound_sd_m(total, float(np.mean([t.time_s for t in runs])), turned_rad)
     bound = GAUSSIAN_MEDIAN * bound_m / total
     nees = float(np.mean([(e.error_m / e.sd_m) ** 2 for e in own]))
     low, high = (float(chi2.ppf(q, len(own))) / len(own) for q in (0.025, 0.975))
     of_bound = row(
         case, f"{OWN}: median error over the bound's", median / bound, "1", high=OF_BOUND
     )
+    worst = float(relative.max())
     return [
         row(case, f"{OWN}: median error", median, "1", published=published, high=MOST[masked]),
-        row(case, f"{OWN}: worst error", float(relative.max()), "1",
-            high=WORST_OF_MEDIAN * MOST[masked]),
-        row(case, f"{OWN}: worst over median", float(relative.max()) / median, "1"),
+        row(case, f"{OWN}: worst error", worst, "1", high=WORST_OF_MEDIAN * MOST[masked]),
+        row(case, f"{OWN}: worst error over the bound's sd", worst * total / bound_m, "1",
+            high=WORST_OF_BOUND),
         row(case, f"{OWN}: median error", 1e3 * error_m, "mm"),
         row(case, f"{OWN}: as a heading", math.degrees(error_m / length), "deg"),
         row(case, "bound of the median error", bound, "1"),
@@ -191,11 +238,11 @@ def own_rows(
 
 
 def taishan_rows(trials: int, jobs: int) -> list[dict[str, Any]]:
-    """The tractor on 5 and 10 degrees, alone and ploughing; a third of the trials."""
+    """The tractor on 5 and 10 degrees, alone and ploughing; a sixth of the trials."""
     names = [f"slope-{s}-{what}" for what in ("taishan", "plough") for s in (5, 10)]
-    seeds = range(max(1, trials // 3))
+    seeds = range(max(1, trials // 6))
     cases = [(name, seed) for name in names for seed in seeds]
-    done = many((delayed(trial)(name, seed, 0.0, papers=False) for name, seed in cases), jobs)
+    done = many((delayed(_alone)(name, seed) for name, seed in cases), jobs)
     out = []
     for name in names:
         runs = [t for t, (own, _) in zip(done, cases, strict=True) if own == name]
@@ -206,3 +253,7 @@ def taishan_rows(trials: int, jobs: int) -> list[dict[str, Any]]:
             error = float(np.median([t.estimates[OWN, masked].relative for t in runs]))
             out.append(row(name, f"{OWN}: median error, {how}", error, "1"))
     return out
+
+
+def _alone(name: str, seed: int) -> Trial:
+    return trial(name, seed, 0.0, papers=False)[0]

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from twin.camera import tracking
+from twin.camera.tracking import Tracker
 from twin.lookup import attribute
 from twin.registry import load
 from twin.run import run
@@ -51,7 +56,26 @@ class Trial:
     """By method and whether the antennas were masked."""
 
 
-def trial(name: str, seed: int, slope_deg: float, *, papers: bool = True) -> Trial:
+@dataclass(frozen=True, kw_only=True)
+class Calibrated:
+    """What a calibration left behind, for the next drive that begins with the same."""
+
+    seen: Streams
+    """Its samples, frames not yet tracked."""
+    tracker: Tracker | None
+    camera: Table
+    state: Any
+    """Of the own estimator."""
+
+
+def trial(
+    name: str,
+    seed: int,
+    slope_deg: float,
+    *,
+    papers: bool = True,
+    before: Calibrated | None = None,
+) -> tuple[Trial, Calibrated]:
     """Drive a scenario once the own way and once the paper's, without a calibration.
 
     Args:
@@ -59,24 +83,80 @@ def trial(name: str, seed: int, slope_deg: float, *, papers: bool = True) -> Tri
         seed: of all chance.
         slope_deg: of the platform, which the paper's chain is told.
         papers: whether the paper's chains are run too.
+        before: of another drive; its frames are not tracked again where all samples are the same.
+
+    Returns:
+        The trial, and its calibration.
     """
     named: Scenario = load("scenario", name)
     scenario = replace(named, seed=seed)
     found: dict[tuple[str, bool], Estimate] = {}
     own = load("estimator", OWN)
-    true: Table = {}
-    for masked, (setup, streams, truth) in _open_and_masked(scenario).items():
-        true = truth
-        found[OWN, masked] = _estimate(own, setup, streams, truth)
+    drives, calibrated = _own_drives(scenario, own, before)
+    for masked, (streams, truth) in drives.items():
+        _, table = own.run(calibrated.state, streams)
+        found[OWN, masked] = _change(table, truth)
+    true = drives[False][1]
     if papers:
         found |= _papers(scenario, slope_deg)
     heading = np.degrees(2.0 * np.arctan2(true["qz"], true["qw"]))
-    return Trial(
+    made = Trial(
         total_m=float(true["sideslip_m"][-1]),
         length_m=float(np.hypot(*(np.ptp(true[c]) for c in ("east_m", "north_m")))),
         time_s=float(np.ptp(true["epoch_ns"])) * 1e-9,
         exit_heading_deg=float(heading[-1] - heading[0]),
         estimates=found,
+    )
+    return made, calibrated
+
+
+def _own_drives(
+    scenario: Scenario, own: Any, before: Calibrated | None
+) -> tuple[dict[bool, tuple[Streams, Table]], Calibrated]:
+    """The run's samples and truth, antennas open and masked, and the calibration before it.
+
+    Odometry's result does not depend on how a drive is cut, nor does the estimator's.
+    """
+    camera = scenario.sensors.camera
+    assert camera is not None
+    raw = replace(scenario.sensors, camera=replace(camera, odometry="none"))
+    drives = _open_and_masked(replace(scenario, sensors=raw))
+    setup, streams, truth = drives[False]
+    start_ns = int(truth["epoch_ns"][0])
+    first = _cut(streams, lambda epoch_ns: epoch_ns < start_ns)
+    with ThreadPoolExecutor(1) as pool:
+        if before is None or not _same(before.seen, first):
+            tracker = tracking.tracker(setup, camera.odometry, camera.processing_s)
+            tracked = first
+            if tracker is not None:
+                tracker, tracked = tracking.track(tracker, first, pool)
+            state, _ = own.run(own.init(setup), tracked)
+            before = Calibrated(seen=Streams(first.tables), tracker=tracker,
+                                camera=tracked["camera"], state=state)  # fmt: skip
+        after = _cut(streams, lambda epoch_ns: epoch_ns >= start_ns)
+        if before.tracker is not None:
+            _, after = tracking.track(before.tracker, after, pool)
+    rows = {masked: drive[1]["gnss"] for masked, drive in drives.items() if "gnss" in drive[1]}
+    late = {m: _cut(Streams({"gnss": g}), lambda e: e >= start_ns)["gnss"] for m, g in rows.items()}
+    runs = {m: Streams({**after.tables, "gnss": late[m]}) if m in late else after for m in drives}
+    return {masked: (streams, truth) for masked, streams in runs.items()}, before
+
+
+def _cut(streams: Streams, chosen: Callable[[NDArray[np.int64]], NDArray[np.bool_]]) -> Streams:
+    """The samples of some epochs."""
+    tables = {}
+    for name, table in streams.tables.items():
+        rows = chosen(table["epoch_ns"])
+        tables[name] = {column: values[rows] for column, values in table.items()}
+    return Streams(tables, streams.frames)
+
+
+def _same(one: Streams, other: Streams) -> bool:
+    """Whether all samples are the same to the bit."""
+    return one.tables.keys() == other.tables.keys() and all(
+        table.keys() == other[name].keys()
+        and all(values.tobytes() == other[name][c].tobytes() for c, values in table.items())
+        for name, table in one.tables.items()
     )
 
 
@@ -126,8 +206,11 @@ def _open_and_masked(scenario: Scenario) -> dict[bool, tuple[Setup, Streams, Tab
 
 
 def _estimate(estimator: Any, setup: Setup, streams: Streams, truth: Table) -> Estimate:
-    """The change of its total between the run's first and last estimate, and the true one."""
-    _, table = estimator.run(estimator.init(setup), streams)
+    return _change(estimator.run(estimator.init(setup), streams)[1], truth)
+
+
+def _change(table: Table, truth: Table) -> Estimate:
+    """The change of a total between the run's first and last estimate, and the true one."""
     epoch_ns = table["epoch_ns"]
     inside = (epoch_ns >= truth["epoch_ns"][0]) & (epoch_ns <= truth["epoch_ns"][-1])
     rows = np.flatnonzero(inside & np.isfinite(table["sideslip_m"]))
