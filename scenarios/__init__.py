@@ -25,6 +25,10 @@ REGISTRY: dict[str, str] = {
             "imu-saturated",
             "imu-bias",
             "imu-back",
+            "camera-black",
+            "camera-frozen",
+            "camera-dropout",
+            "camera-half",
             "all",
         )
     },

@@ -1,7 +1,8 @@
-"""Ploughing with one thing wrong at a time, and with all of it; what a good estimator answers.
+"""Driving with one thing wrong at a time, and with all of it; what a good estimator answers.
 
-The fault begins 40 s into the run, at full depth and steady slip. What is expected stands in each
-scenario's words and is tested for `slip-ekf`.
+While ploughing the fault begins 40 s into the run, at full depth and steady slip; along the slope,
+for what a camera has, 3 s into its 9. What is expected stands in each scenario's words and is
+tested for `slip-ekf` and `sideslip-ekf`.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from scenarios.plough import CM_25
+from scenarios.slope import DRY_9
 from twin.scenario import Course, Scenario
 from twin.sensors import Fault, Sensors
 
@@ -63,3 +65,27 @@ ALL = _failing(
     tuple(Fault(kind=k, start_s=START_S, duration_s=EXPECTED[k][0]) for k in TOGETHER),
     f"{', '.join(TOGETHER)} at once: slip within {100.0 * TOGETHER_LARGEST:g} points",
 )
+
+SLOPE_START_S, SLOPE_S = 3.0, 2.0
+ON_SLOPE: dict[str, tuple[float, str]] = {
+    "camera-black": (0.004, "no frame is used; the slide goes on as it was, its sd grows"),
+    "camera-frozen": (0.004, "a frame that repeats itself is no standstill, and is not used"),
+    "camera-dropout": (0.004, "the slide goes on as it was, its sd grows"),
+    "camera-half": (0.002, "the first frame of each size is not used, the others are"),
+}
+"""Fault -> the largest error of the slide since its beginning [m], and the answer."""
+
+
+def _blind(kind: str) -> Scenario:
+    largest_m, answer = ON_SLOPE[kind]
+    fault = Fault(kind=kind, start_s=SLOPE_START_S, duration_s=SLOPE_S)
+    return replace(
+        DRY_9,
+        name=f"fault-{kind}",
+        about=f"9 degree platform, {kind} for {SLOPE_S:g} s: {answer}; "
+        f"slide within {1e3 * largest_m:g} mm",
+        sensors=replace(DRY_9.sensors, faults=(fault,)),
+    )
+
+
+CAMERA_BLACK, CAMERA_FROZEN, CAMERA_DROPOUT, CAMERA_HALF = (_blind(kind) for kind in ON_SLOPE)

@@ -58,7 +58,7 @@ def test_lost_frames_leave_gaps_in_the_numbers():
 
 def view_of(config, trajectory, row):
     table = collect(camera, config, [trajectory])
-    return drawn(config, 1, film(config, 1), table)._views[row]
+    return drawn(config, 1, film(config, 1), table).shot(row).view
 
 
 def test_the_camera_hangs_where_the_body_carries_it():

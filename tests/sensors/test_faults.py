@@ -5,7 +5,8 @@ import pytest
 
 from tests.sensors.trajectories import drive, pieces
 from twin.errors import TwinError
-from twin.sensors import Fault, Sensors, suite
+from twin.machine.trajectory import Trajectory
+from twin.sensors import Camera, Fault, Sensors, suite
 from twin.sensors.faults import KINDS
 from twin.streams import concatenate
 
@@ -25,7 +26,7 @@ def fault(kind):
     return (Fault(kind=kind, start_s=START_S, duration_s=LENGTH_S),)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", [k for k, (of, *_) in KINDS.items() if of != "camera"])
 def test_a_fault_touches_its_stream_alone_and_no_chunking_changes_it(kind):
     trajectory = drive(2.0, yaw_rate_radps=0.2)
     whole, cut = run(fault(kind), [trajectory]), run(fault(kind), pieces(trajectory, 37))
@@ -74,3 +75,44 @@ def test_a_fault_that_is_none_is_refused():
         Fault(kind="gnss-dropuot", start_s=1.0, duration_s=1.0)
     with pytest.raises(TwinError, match=r"fault.start_s = -1 is outside"):
         Fault(kind="gnss-spike", start_s=-1.0, duration_s=1.0)
+
+
+@pytest.mark.parametrize("kind", [k for k, (of, *_) in KINDS.items() if of == "camera"])
+def test_what_a_camera_shows_in_each_of_its_faults(kind):
+    small = Camera(width_px=64, height_px=40)
+    path = drive(2.0)
+    path = Trajectory(
+        path.epoch_ns, path.columns | {"position_w": path["position_w"] + [0, 0, 0.2]}
+    )
+
+    def seen(faults, chunks):
+        sensors = Sensors(camera=small, faults=faults)
+        state, found = suite.init(sensors, 11), {}
+        for chunk in chunks:
+            state, streams = suite.sample(sensors, state, chunk)
+            epoch_ns = dict(
+                zip(*(streams["camera"][c] for c in ("frame", "epoch_ns")), strict=True)
+            )
+            found |= {n: (epoch_ns[n] * 1e-9, streams.frames[n]) for n in streams.frames}
+        return found
+
+    whole, healthy = seen(fault(kind), [path]), seen((), [path])
+    cut = seen(fault(kind), pieces(path, 37))
+    assert cut.keys() == whole.keys()
+    last = None
+    for n, (time_s, image) in healthy.items():
+        if n in whole:
+            assert np.array_equal(whole[n][1], cut[n][1])
+        if not START_S <= time_s < START_S + LENGTH_S:
+            assert np.array_equal(whole[n][1], image)
+            last = image if time_s < START_S else last
+        elif kind == "camera-dropout":
+            assert n not in whole
+        elif kind == "camera-black":
+            assert whole[n][1].shape == image.shape
+            assert whole[n][1].max() < 5
+        elif kind == "camera-frozen":
+            assert np.array_equal(whole[n][1], last)
+        else:
+            means = image.reshape(20, 2, 32, 2).mean(axis=(1, 3))
+            np.testing.assert_allclose(whole[n][1], means, atol=0.5)

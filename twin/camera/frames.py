@@ -44,26 +44,59 @@ class Film:
         radiance = self.renderer.radiance(view)
         return develop(radiance, self.lens, self.pixel, self.seed, number)
 
+    def dark(self, number: int) -> Image:
+        """The frame of a covered lens, shape (height, width): the noise of reading it."""
+        nothing = np.zeros((self.lens.height_px, self.lens.width_px), np.float32)
+        return develop(nothing, self.lens, self.pixel, self.seed, number)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shot:
+    """What a frame shows."""
+
+    view: View
+    number: int
+    """Of the frame whose picture it is: its own, unless the camera hangs."""
+    dark: bool = False
+    """Whether the lens is covered."""
+    halved: bool = False
+    """Whether it comes at half the resolution."""
+
 
 class DrawnFrames(Mapping[int, Image]):
     """Frames by number, each drawn anew whenever it is asked for; nothing is kept."""
 
-    def __init__(self, film: Film, views: Mapping[int, View]) -> None:
-        self._film, self._views = film, views
+    def __init__(self, film: Film, shots: Mapping[int, Shot]) -> None:
+        self._film, self._shots = film, shots
+
+    def shot(self, number: int) -> Shot:
+        """What a frame shows."""
+        return self._shots[number]
 
     def __getitem__(self, number: int) -> Image:
-        return self._film.frame(number, self._views[number])
+        shot = self._shots[number]
+        film = self._film
+        image = film.dark(number) if shot.dark else film.frame(shot.number, shot.view)
+        return halved(image) if shot.halved else image
 
     def __iter__(self) -> Iterator[int]:
-        return iter(self._views)
+        return iter(self._shots)
 
     def __len__(self) -> int:
-        return len(self._views)
+        return len(self._shots)
 
     def every(self, count: int) -> DrawnFrames:
         """One frame of so many, by number."""
-        views = {number: view for number, view in self._views.items() if number % count == 0}
-        return DrawnFrames(self._film, views)
+        shots = {number: shot for number, shot in self._shots.items() if number % count == 0}
+        return DrawnFrames(self._film, shots)
+
+
+def halved(image: Image) -> Image:
+    """Means of 2 by 2 pixels; an odd last row or column is left out."""
+    height, width = image.shape[0] // 2, image.shape[1] // 2
+    fours = image[: 2 * height, : 2 * width].reshape(height, 2, width, 2)
+    means: Image = np.rint(fours.mean(axis=(1, 3))).astype(np.uint8)
+    return means
 
 
 class SavedFrames(Mapping[int, Image]):

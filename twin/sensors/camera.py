@@ -28,6 +28,10 @@ if TYPE_CHECKING:  # what draws is heavy, and only there where a camera is fitte
 NORMAL = "ground_normal_w"
 POSE = ("position_w", "world_from_body", "velocity_w", "gyro_b")
 """What a frame is drawn from, beside the ground's normal; part of no stream."""
+SHOWN, HALVED = "shown", "halved"
+"""Number of the frame whose picture comes, DARK for none, and 1 at half the resolution; hidden too.
+What goes wrong with a camera changes them (`twin.sensors.faults`)."""
+DARK = -1
 CONTRACT = ("epoch_ns", "arrival_ns", "frame")
 ODOMETRY = ("phase-ecc", "orb-similarity", "orb-printed", "none")
 """What may turn the frames into velocities on board."""
@@ -161,6 +165,7 @@ def sample(config: Camera, state: CameraState, chunk: Trajectory) -> tuple[Camer
     last_ns, arrival_ns = arrivals(state.arrival_ns, epoch_ns, delay_s)
     numbers = np.arange(state.frame, state.frame + count, dtype=np.int64)
     table: Table = {"epoch_ns": epoch_ns, "arrival_ns": arrival_ns, "frame": numbers, **at}
+    table |= {SHOWN: numbers, HALVED: np.zeros(count, np.int8)}
     after = replace(state, reader=position, arrival_ns=last_ns, frame=state.frame + count)
     return after, {name: column[kept] for name, column in table.items()}
 
@@ -195,15 +200,20 @@ def drawn(config: Camera, seed: int, film: Film, table: Table) -> DrawnFrames:
         film: what draws them.
         table: with the true poses.
     """
-    from twin.camera.frames import DrawnFrames
+    from twin.camera.frames import DrawnFrames, Shot
 
     mounted = body_from_camera(config, seed)
     names = [name for name in (*POSE, NORMAL) if name in table]
-    views = {
-        int(number): _view(config, mounted, {name: table[name][row] for name in names})
+    shots = {
+        int(number): Shot(
+            view=_view(config, mounted, {name: table[name][row] for name in names}),
+            number=int(table[SHOWN][row]),
+            dark=bool(table[SHOWN][row] == DARK),
+            halved=bool(table[HALVED][row]),
+        )
         for row, number in enumerate(table["frame"])
     }
-    return DrawnFrames(film, views)
+    return DrawnFrames(film, shots)
 
 
 def body_from_camera(config: Camera, seed: int) -> Array:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.errors import UnknownName, check_range
+from twin.sensors import camera
 from twin.streams import Table
 
 REAR = ("ticks_rl", "ticks_rr")
@@ -54,16 +55,17 @@ def _spike(table: Table, during: Mask, held: Held) -> Table:
     return out
 
 
-def _frozen(table: Table, during: Mask, held: Held) -> Table:
-    """All values stay as they were in the last sample before; the stamps go on."""
+def _frozen(table: Table, during: Mask, held: Held, going: Sequence[str] = STAMPS) -> Table:
+    """All values stay as they were in the last sample before; those `going` go on."""
     before = np.flatnonzero(~during)
     out = dict(table)
     for name, column in table.items():
-        if name in STAMPS:
+        if name in going:
             continue
         newest = np.maximum.accumulate(np.where(during, -1, np.arange(len(column))))
-        last = held.get(name, column[0] if len(column) else 0)
-        out[name] = np.where(newest >= 0, column[np.maximum(newest, 0)], last).astype(column.dtype)
+        if len(column):
+            last = held.get(name, column[0])
+            out[name] = np.concatenate([[last], column])[newest + 1].astype(column.dtype)
         if len(before):
             held[name] = column[before[-1]]
     return out
@@ -111,6 +113,20 @@ def _back(table: Table, during: Mask, held: Held) -> Table:
     return {**table, "epoch_ns": table["epoch_ns"] - np.where(during, 200_000_000, 0)}
 
 
+def _hung(table: Table, during: Mask, held: Held) -> Table:
+    """The same picture again and again, under new numbers."""
+    return _frozen(table, during, held, (*STAMPS, "frame", camera.HALVED))
+
+
+def _covered(table: Table, during: Mask, held: Held) -> Table:
+    shown = table[camera.SHOWN]
+    return {**table, camera.SHOWN: np.where(during, camera.DARK, shown)}
+
+
+def _halved(table: Table, during: Mask, held: Held) -> Table:
+    return {**table, camera.HALVED: during.astype(np.int8)}
+
+
 KINDS: dict[str, tuple[str, str, Change]] = {
     "gnss-dropout": ("gnss", "no message from the receiver", _dropped),
     "gnss-spike": ("gnss", "3 m/s too much to the east and to the north", _spike),
@@ -126,6 +142,10 @@ KINDS: dict[str, tuple[str, str, Change]] = {
     "imu-saturated": ("imu", "accelerations cut off at 0.3 m/s2", _saturated),
     "imu-bias": ("imu", "0.3 m/s2 on the forward acceleration", _biased),
     "imu-back": ("imu", "the clock jumps back by 0.2 s", _back),
+    "camera-black": ("camera", "the lens is covered", _covered),
+    "camera-frozen": ("camera", "the camera repeats its last frame", _hung),
+    "camera-dropout": ("camera", "no frame arrives", _dropped),
+    "camera-half": ("camera", "frames of half the resolution", _halved),
 }
 """Fault -> the stream it is in, what it is, and what it does to that stream's samples."""
 
