@@ -36,6 +36,7 @@ USUAL_S = 1.0 / 30.0
 """Between two frames, where a stream does not tell [s]."""
 SAME_S = 0.001
 """Instants as near as this are one."""
+SLOW_S = 2.0
 STRAIGHT_RADPS = 0.03
 """Turning slower than this is straight on."""
 DRIVING_MPS = 0.3
@@ -83,6 +84,10 @@ class State:
     """Of its last frame, up to which the path aside is known."""
     spin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """The last turn rates."""
+    slow: tuple[float, float] = (0.0, 0.0)
+    """Mean rates of roll and pitch over SLOW_S: no chassis goes on rolling, so they are bias."""
+    spun_s: float = 0.0
+    """Time that is in them."""
     spin_ns: int = -1
     tilt: Tilt = field(default_factory=Tilt)
     last_ns: tuple[tuple[str, int], ...] = ()
@@ -261,6 +266,10 @@ class Work:
         if state.spin_ns >= 0 and epoch_ns - state.spin_ns > STALE_NS:
             own = tilt.forget(own)
         state.tilt = tilt.felt(own, ahead, left, float(state.x[HEADING]), dt)
+        gain = dt / min(state.spun_s + dt, SLOW_S)
+        roll, pitch = state.slow
+        state.slow = roll + gain * (p - roll), pitch + gain * (q - pitch)
+        state.spun_s += dt
         state.spin, state.spin_ns = (p, q, r), epoch_ns
 
     def _spin_at(self, epoch_ns: int) -> tuple[float, ...]:
@@ -294,6 +303,7 @@ class Work:
     def _gnss(self, values: tuple[float, ...], spin: Array) -> None:
         east, north, azimuth, quality, velocity_sd, heading_sd = values
         state, nominal = self.state, self.state.nominal
+        spin[:2] -= state.slow  # 1e-3 rad/s under an antenna 0.7 m up are 0.07 % of 1 m/s
         spin[2] = model.turning(state.x, spin[2])
         rotation = state.tilt.rotation
         if math.isfinite(azimuth):

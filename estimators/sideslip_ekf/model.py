@@ -44,8 +44,8 @@ class Tuning:
     """It is found from how well frames are foretold, but never less than this [m2/s3]."""
     accel_y_memory_s: float = 0.5
     """Over which time [s]."""
-    jump_mps: float = 0.1
-    """A lateral speed that changes by less between frames is a slide that begins."""
+    jump_mps: float = 0.3
+    """A lateral speed that changes by less from frame to frame, 1 g, is a slide that begins."""
     heading_bias_sd_rad: float = math.radians(0.2)
     """The baseline's mounting."""
     camera_yaw_sd_rad: float = math.radians(1.0)
@@ -248,7 +248,7 @@ def take_aside(x: Array, p: Array, frame: Frame, psd: float, t: Tuning) -> tuple
     variance += 0.0 if frame.follows else psd * span / 3.0
     innovation = float(cos * left + sin * ahead - k * u_y - x[CAMERA_PULL])
     total = float(h @ p @ h) + variance
-    if 9.0 * total < innovation**2 < t.jump_mps**2:
+    if frame.follows and 9.0 * total < innovation**2 < t.jump_mps**2:
         add_walk(p, 3.0 * innovation**2 / span, span)
     memory_s = max(t.accel_y_memory_s, span)
     psd = min(max(psd + 3.0 * (innovation**2 - total) / memory_s, t.accel_y_least_psd), MOST_PSD)
