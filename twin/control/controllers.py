@@ -146,4 +146,4 @@ BASELINES: dict[str, Controller] = {
     ),
 }
 """Gains found by `python -m twin.control.tune Plough-v0` (mean rewards 0.7876, 0.7943, 0.7918,
-0.7876 in this order)."""
+0.7876 in this order), the scheduled PI's while its gain still fell beyond 1 / k."""
