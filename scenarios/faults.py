@@ -24,7 +24,11 @@ EXPECTED: dict[str, tuple[float, float, str]] = {
     "wheel-stuck": (10.0, 0.015, "the other rear wheel stands for the axle, flagged"),
     "wheel-missed": (10.0, 0.08, "half of the missed ticks passes for slip: nothing tells it"),
     "imu-saturated": (10.0, 0.015, "a little more noise"),
-    "imu-bias": (10.0, 0.12, "taken for a motion at first, learnt as a bias within seconds"),
+    "imu-bias": (
+        10.0,
+        0.12,
+        "taken for a motion at first, with an sd that says so, then learnt as a bias",
+    ),
     "imu-back": (2.0, 0.015, "samples older than the newest are put aside, flagged"),
 }
 """Fault -> how long it lasts [s], the largest error of slip in its ten seconds, and the answer."""

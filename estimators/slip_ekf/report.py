@@ -35,6 +35,11 @@ def report(row: Record, signal: Record, nominal: Record, tuning: Record, memory:
     row.speed_mps, row.wheel_speed_mps = x[V], wheel
     row.slip = (wheel - x[V]) / max(abs(wheel), abs(x[V]), SLOW_MPS)
     row.slip_sd = math.sqrt(model.slip_var(p, x[V], wheel, memory.rim_mps, SLOW_MPS))
+    conflict = 0.0
+    for source in range(len(memory.conflict_mps)):
+        conflict = max(conflict, memory.conflict_mps[source])
+    # who is right, the estimate or the speed that it refuses, is not known yet
+    row.slip_sd = math.hypot(row.slip_sd, 0.5 * conflict / max(abs(wheel), abs(x[V]), SLOW_MPS))
     across = 0.5 * signal.yaw_rate_radps * nominal.track_rear_m
     for side, at in ((-1.0, 2), (1.0, 3)):
         rim = wheel + side * 0.5 * memory.apart_mps

@@ -106,6 +106,7 @@ def gated(
             memory.refused_ns[source] = epoch_ns
         held_up = (epoch_ns - memory.agreed_ns) * 1e-9 < HELD_UP_S
         patience = tuning.trust if held_up else tuning.patience
+        memory.conflict_mps[source] = 0.0 if held_up else abs(error)
         if (epoch_ns - memory.refused_ns[source]) * 1e-9 < patience:
             return 0
         _doubt(memory, error, max(refused_s, patience))
@@ -114,6 +115,7 @@ def gated(
         if nis < AGREES:
             memory.agreed_ns = epoch_ns
     memory.refused_ns[source] = -1
+    memory.conflict_mps[source] = 0.0
     take(memory.x, memory.cov, h, error, r, memory.raised)
     return 1
 
