@@ -173,7 +173,7 @@ def sense(
     course_m, driven_m, driven_s = length_m(scenario), 0.0, 0.0
     streams, parts, kept = [], [], list[Frames]()
     with ThreadPoolExecutor(1) as pool:
-        for chunk in itertools.chain(recording.chunks, run_chunks):
+        for chunk in itertools.chain(recording.chunks(), run_chunks):
             state, sampled = sensors.sample(fitted, state, chunk)
             if isinstance(sampled.frames, DrawnFrames) and chunk.epoch_ns[0] >= recording.start_ns:
                 kept.append(sampled.frames.every(KEPT_EVERY))

@@ -6,7 +6,7 @@ in a pause the clocks of the sensors go on, and what they see is left out.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,17 +40,41 @@ def legs(scenario: Scenario) -> tuple[Scenario, ...]:
 
 
 @dataclass(frozen=True)
-class Recording:
-    """The calibration's trajectory up to where the run begins."""
+class Leg:
+    """A leg of the calibration at its place in the recording."""
 
-    chunks: tuple[Trajectory, ...] = ()
-    """Contiguous, pauses included."""
-    pauses_ns: tuple[tuple[int, int], ...] = ()
-    """First epoch in each pause, and first after it."""
+    scenario: Scenario
+    start_ns: int
+    wheel_angle_rad: NDArray[np.float64] | None
+    """Where the wheels stand at its start, beside where the leg has them, shape (4,)."""
+    pause: Trajectory
+    """What the sensors see between it and the next, in the recording's time."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """The calibration up to where the run begins."""
+
+    legs: tuple[Leg, ...] = ()
     start_ns: int = 0
     """Epoch of the run's first row."""
     wheel_angle_rad: NDArray[np.float64] | None = None
     """Where the wheels stand then, beside where the run has them, shape (4,)."""
+
+    @property
+    def pauses_ns(self) -> tuple[tuple[int, int], ...]:
+        """First epoch in each pause, and first after it."""
+        ends = [leg.start_ns for leg in self.legs[1:]] + [self.start_ns]
+        return tuple(
+            (int(leg.pause.epoch_ns[0]), end) for leg, end in zip(self.legs, ends, strict=False)
+        )
+
+    def chunks(self) -> Iterator[Trajectory]:
+        """The calibration's trajectory, contiguous, pauses included; driven anew, not kept."""
+        for leg in self.legs:
+            for chunk in simulate(build(leg.scenario)):
+                yield _shifted(chunk, leg.start_ns, leg.wheel_angle_rad)
+            yield leg.pause
 
     def shifted(self, chunk: Trajectory) -> Trajectory:
         """A chunk of the run at its place in the recording."""
@@ -58,7 +82,7 @@ class Recording:
 
     def recorded(self, streams: Streams) -> Streams:
         """The samples that describe no instant of a pause."""
-        if not self.pauses_ns:
+        if not self.legs:
             return streams
         tables = {}
         for name, table in streams.tables.items():
@@ -71,27 +95,45 @@ class Recording:
 
 
 def record(machine: Machine, first: Trajectory) -> Recording:
-    """The calibration of a machine's scenario, before the run whose first chunk is given."""
-    drives = [list(simulate(build(leg))) for leg in legs(machine.scenario)]
+    """The calibration of a machine's scenario, before the run whose first chunk is given.
+
+    Each leg is driven once here, to know when it ends and how; that it is driven again when its
+    trajectory is asked for keeps a long one out of the memory.
+    """
+    driven = [(leg, *_ends(simulate(build(leg)))) for leg in legs(machine.scenario)]
     found = Recording()
-    for number, chunks in enumerate(drives):
-        moved = [found.shifted(chunk) for chunk in chunks]
-        after = drives[number + 1][0] if number + 1 < len(drives) else first
-        found = _paused(found, moved, after)
+    for number, (scenario, _, last) in enumerate(driven):
+        after = driven[number + 1][1] if number + 1 < len(driven) else first
+        found = _paused(found, scenario, found.shifted(last), after)
     return found
 
 
-def _paused(before: Recording, moved: Sequence[Trajectory], after: Trajectory) -> Recording:
-    """The recording with another leg and the pause behind it."""
-    last = moved[-1]
+def _ends(chunks: Iterator[Trajectory]) -> tuple[Trajectory, Trajectory]:
+    """The first row of a drive, and its last two."""
+    first = last = next(chunks)
+    for chunk in chunks:
+        last = chunk
+    return _copied(first, 0, 1), _copied(last, len(last) - 2, len(last))
+
+
+def _copied(chunk: Trajectory, start: int, stop: int) -> Trajectory:
+    """Some rows, without the rest of the chunk behind them."""
+    rows = chunk.cut(start, stop)
+    return Trajectory(rows.epoch_ns.copy(), {n: c.copy() for n, c in rows.columns.items()})
+
+
+def _paused(
+    before: Recording, scenario: Scenario, last: Trajectory, after: Trajectory
+) -> Recording:
+    """The recording with another leg, of which the last rows are given, and the pause behind it."""
     step_ns = int(last.epoch_ns[1] - last.epoch_ns[0])
     count = round(PAUSE_S * 1e9) // step_ns
     first_ns = int(last.epoch_ns[-1]) + step_ns
     end_ns = first_ns + count * step_ns
     angle = last["wheel_angle_rad"][-1] - after["wheel_angle_rad"][0]
     held = _held(last, after, angle, first_ns + step_ns * np.arange(count, dtype=np.int64))
-    pauses = (*before.pauses_ns, (first_ns, end_ns))
-    return Recording((*before.chunks, *moved, held), pauses, end_ns, angle)
+    leg = Leg(scenario, before.start_ns, before.wheel_angle_rad, held)
+    return Recording((*before.legs, leg), end_ns, angle)
 
 
 def _held(
