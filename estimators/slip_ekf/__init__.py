@@ -1,7 +1,8 @@
-"""Slip as a state: an extended Kalman filter of all streams, and its offline twin.
+"""Slip from the two speeds of an extended Kalman filter of all streams, and its offline twin.
 
-Source of the structure: slip as a state beside the speed it couples to (Berntorp 2016, IEEE TCST
-24, 1020; Kilic et al. 2021, RA-L); the gate of chi-square; gravity's leak and the radius as states.
+Source of the structure: slip estimated beside the speed it couples to (Berntorp 2016, IEEE TCST 24,
+1020; Kilic et al. 2021, RA-L), here by the wheels' own speed as a state, see `model`; the gate of
+chi-square; gravity's leak and the radius as states.
 """
 
 from __future__ import annotations
@@ -41,7 +42,8 @@ class SlipEkf:
     The state and how it moves: `model`; the rows and when they are refused: `filter`, `rows`. Ticks
     are taken as travel, whose rounding does not add up, and not as speeds, whose rounding does.
     GNSS meets the speed of its own epoch, v - a age. Defaults are from physics and from other seeds
-    than the tests'.
+    than the tests'. What of its noise the streams show is heard: the accelerometer's, how restless
+    the motion is (`noise`), and that of the driven wheels, by how their counts surprise.
     """
 
     jerk_psd: float = 0.03

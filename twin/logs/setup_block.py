@@ -96,6 +96,10 @@ def _fields(
 def _value(where: str, kind: str, value: Any) -> Any:
     if value is None and "None" in kind:
         return None
+    if kind == "bool":
+        if not isinstance(value, bool):
+            raise BadInput(f"{where} = {value!r} must be true or false")
+        return value
     if kind == "str":
         return _text(where, value)
     if kind == "tuple[str, ...]":
