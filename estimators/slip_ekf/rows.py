@@ -122,10 +122,11 @@ def gated(
 
 @compiled
 def surprise(memory: Record, source: int, h: Array, error: float, r: float, gate: float) -> float:
-    """By how much the innovation's variance falls short of e^2 / gate^2; 0 if it does not."""
+    """By how much the innovation's variance S falls short of e^2, if e^2 > gate^2 S; else 0."""
     variance = innovation_var(memory.cov, h, r)
     count(memory, source, error * error / variance)
-    return float(error * error / 1.0 - variance) if error * error > gate**2 * variance else 0.0
+    surprised = error * error > gate**2 * variance
+    return float(error * error - variance) if surprised else 0.0
 
 
 @compiled
@@ -165,7 +166,7 @@ def followed(
 ) -> None:
     """Take a measurement of motion: where it surprises, the motion has changed.
 
-    e^2 > gate^2 S:   P[state, state] grows by d until S = e^2 / gate^2,
+    e^2 > gate^2 S:   P[state, state] grows by d until S = e^2,
                       and as the change came over the last dt, evenly, the state `below`, whose
                       rate it is, by d dt^2 / 4, and their covariance by d dt / 2
     """
