@@ -27,7 +27,7 @@ from estimators.slip_ekf.layout import (
     W,
 )
 from estimators.slip_ekf.pitch import turned
-from estimators.slip_ekf.rows import followed, gated, grow, innovation_var, restart, shift, take
+from estimators.slip_ekf.rows import followed, gated, grow, grow_evenly, restart, shift, take
 from estimators.slip_ekf.tuning import FROM_FRONT, FROM_REAR
 
 SPIN_GAIN, SPIN_NIS, MOST_SPIN = 0.02, 1.5, 1000.0
@@ -148,10 +148,9 @@ def _take_rear(
         h[:] = 0.0
         h[REAR_TRAVEL] = 1.0
         error = counted - memory.x[REAR_TRAVEL]
-        nis = error * error / innovation_var(memory.cov, h, count_var)
+        nis = followed(memory, FROM_REAR, REAR_TRAVEL, REAR_TRAVEL, 0.0, h, error, count_var, 5.0)
         memory.spin *= math.exp(SPIN_GAIN * (min(nis, 9.0) - SPIN_NIS))
         memory.spin = min(max(memory.spin, 1.0), MOST_SPIN)
-        followed(memory, FROM_REAR, REAR_TRAVEL, REAR_TRAVEL, 0.0, h, error, count_var, 5.0)
         shift(memory, REAR_TRAVEL, -counted)
     else:
         error = speed - model.rear_row(memory.x, memory.rim_mps, age + tau, h)
@@ -166,11 +165,8 @@ def _take_rear(
             n += 1
     if n:
         dt = min(max((signal.epoch_ns - memory.rear_ns) * 1e-9, 0.0), 0.1)
-        psd = tuning.measured_slip_psd * memory.rim_mps**2
-        grow(memory, RIM_RATE, RIM_RATE, psd * dt)
-        grow(memory, W, W, psd * dt**3 / 3.0)
-        grow(memory, W, RIM_RATE, psd * dt * dt / 2.0)
-        grow(memory, RIM_RATE, W, psd * dt * dt / 2.0)
+        by = tuning.measured_slip_psd * memory.rim_mps**2 * dt
+        grow_evenly(memory, W, RIM_RATE, by, dt)
         error = accel / n - model.wheel_accel_row(memory.x, tuning.usual_tau, h)
         followed(memory, FROM_REAR, RIM_RATE, W, dt, h, error, 0.06**2, 3.0)
 

@@ -175,7 +175,7 @@ def _take_imu(
         error = accel - memory.x[A] - memory.x[ACCEL_BIAS]
         unknown = jerk_psd(tuning, memory) * age  # what the motion did since
         variance += unknown
-        grown = surprise(memory, FROM_IMU, h, error, variance, tuning.follow)
+        grown, _ = surprise(memory, FROM_IMU, h, error, variance, tuning.follow)
         if grown > 0.0:
             jolt(memory, grown, dt, tuning.load_correlation)
         take(memory.x, memory.cov, h, error, variance, memory.raised)

@@ -71,6 +71,15 @@ def grow(memory: Record, i: int, j: int, by: float) -> None:
 
 
 @compiled
+def grow_evenly(memory: Record, low: int, high: int, by: float, dt: float) -> None:
+    """White noise over the last dt that adds `by` to a rate's variance, and to what it is of."""
+    grow(memory, high, high, by)
+    grow(memory, low, low, dt * dt / 3.0 * by)
+    grow(memory, low, high, 0.5 * dt * by)
+    grow(memory, high, low, 0.5 * dt * by)
+
+
+@compiled
 def _doubt(memory: Record, error: float, since_s: float) -> None:
     """A speed has been off by `error` for so long: by as much per time may the accelerometer be."""
     doubted = ((V, error), (ACCEL_BIAS, -error / since_s))
@@ -121,12 +130,15 @@ def gated(
 
 
 @compiled
-def surprise(memory: Record, source: int, h: Array, error: float, r: float, gate: float) -> float:
-    """By how much the innovation's variance S falls short of e^2, if e^2 > gate^2 S; else 0."""
+def surprise(
+    memory: Record, source: int, h: Array, error: float, r: float, gate: float
+) -> tuple[float, float]:
+    """What the innovation's variance S lacks of e^2 where e^2 > gate^2 S, else 0; and e^2 / S."""
     variance = innovation_var(memory.cov, h, r)
-    count(memory, source, error * error / variance)
+    nis = error * error / variance
+    count(memory, source, nis)
     surprised = error * error > gate**2 * variance
-    return float(error * error - variance) if surprised else 0.0
+    return (float(error * error - variance) if surprised else 0.0), float(nis)
 
 
 @compiled
@@ -146,10 +158,7 @@ def jolt(memory: Record, grown: float, dt: float, correlation: float) -> None:
     for i, by in ((V, 1.0), (W, kept)):
         for j, and_by in ((V, 1.0), (W, kept)):
             grow(memory, i, j, when * by * and_by)
-    grow(memory, RIM_RATE, RIM_RATE, apart)
-    grow(memory, W, W, dt * dt / 3.0 * apart)
-    grow(memory, W, RIM_RATE, 0.5 * dt * apart)
-    grow(memory, RIM_RATE, W, 0.5 * dt * apart)
+    grow_evenly(memory, W, RIM_RATE, apart, dt)
 
 
 @compiled
@@ -163,14 +172,14 @@ def followed(
     error: float,
     r: float,
     gate: float,
-) -> None:
-    """Take a measurement of motion: where it surprises, the motion has changed.
+) -> float:
+    """Take a measurement of motion: where it surprises, the motion has changed. Returns e^2 / S.
 
     e^2 > gate^2 S:   P[state, state] grows by d until S = e^2,
                       and as the change came over the last dt, evenly, the state `below`, whose
                       rate it is, by d dt^2 / 4, and their covariance by d dt / 2
     """
-    grown = surprise(memory, source, h, error, r, gate)
+    grown, nis = surprise(memory, source, h, error, r, gate)
     if grown > 0.0 and h[state] != 0.0:
         grown /= h[state] ** 2
         grow(memory, state, state, grown)
@@ -179,6 +188,7 @@ def followed(
             grow(memory, state, below, 0.5 * dt * grown)
             grow(memory, below, state, 0.5 * dt * grown)
     take(memory.x, memory.cov, h, error, r, memory.raised)
+    return nis
 
 
 @compiled
