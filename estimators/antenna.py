@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from estimators.compiled import compiled
 from estimators.inertial import turning_at
 from estimators.kalman import Record
-from estimators.layout import GRAVITY_MPS2, STALE_S
+from estimators.layout import GRAVITY_MPS2, REPEATED, STALE_S
 
 GRADE_S = 2.0
 """Time over which the climb is averaged [s]."""
@@ -38,6 +38,9 @@ def read(
     """
     east, north, up, heading, quality = sample[0], sample[1], sample[2], sample[3], sample[4]
     p, q, r, yaw = turning_at(epoch_ns, memory)
+    if (sample[:4] == memory.gnss).all():
+        signal.flags |= REPEATED
+    memory.gnss[:] = sample[:4]
     if np.isfinite(heading):
         memory.heading_offset_rad = heading - nominal.heading_mount_rad - yaw
         memory.heading_ns = epoch_ns

@@ -36,6 +36,8 @@ NO_GROUND_SPEED = 2
 """Flag: the ground speed is unknown, or older than `STALE_S`."""
 RESTARTED = 4
 """Flag: the filter started again after a gap longer than `STALE_S`."""
+REPEATED = 256
+"""Flag: the receiver gave its last velocity and heading again, to the bit: it may hang."""
 
 STALE_S = 5.0
 """A measurement older than this says nothing; between a 1 Hz log's samples and a field's gaps."""
@@ -115,6 +117,7 @@ MEMORY = np.dtype(
         ("heading_ns", "i8"),
         ("heading_offset_rad", "f8"),
         ("gnss_samples", "i8"),
+        ("gnss", "f8", 4),
         ("grade", "f8"),
         ("v_ns", "i8"),
         ("v_x_mps", "f8"),

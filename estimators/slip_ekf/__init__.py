@@ -106,6 +106,8 @@ class SlipEkf:
     """But not for longer than this [s]."""
     trust: float = 15.0
     """And not for longer than this while another ground speed agrees with the estimate [s]."""
+    lean: float = 4.0
+    """A mean of GNSS's innovations further off than this many sd says that the others err."""
     follow: float = 4.0
     """An acceleration further off than this many sd is a new motion, and is followed."""
     zero_slip: float = 0.003

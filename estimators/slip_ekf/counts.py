@@ -10,7 +10,7 @@ from estimators.compiled import compiled
 from estimators.kalman import Array, Record
 from estimators.slip_ekf import model
 from estimators.slip_ekf.begin import begin
-from estimators.slip_ekf.driven import axle, radius
+from estimators.slip_ekf.driven import axle, lifted, radius
 from estimators.slip_ekf.layout import (
     ACCEL_BIAS,
     FRONT_TRAVEL,
@@ -27,12 +27,27 @@ from estimators.slip_ekf.layout import (
     W,
 )
 from estimators.slip_ekf.pitch import turned
-from estimators.slip_ekf.rows import followed, gated, grow, grow_evenly, restart, shift, take
+from estimators.slip_ekf.rows import (
+    LEAN_S,
+    doubt,
+    followed,
+    gated,
+    grow,
+    grow_evenly,
+    lean,
+    restart,
+    shift,
+    spun,
+    surprise,
+    take,
+)
 from estimators.slip_ekf.tuning import FROM_FRONT, FROM_REAR
 
 SPIN_GAIN, SPIN_NIS, MOST_SPIN = 0.02, 1.5, 1000.0
 """How fast the noise of the driven wheels' motion grows where their counts surprise on average by
 more than so much, and the most it does."""
+MOST_LEAPS = 10
+"""Samples in a row of turning driven wheels, none of them usable, that are refused."""
 RIM_TAU_S = 3.0
 """Time over which the driven wheels' speed is averaged for the filter's gradients [s]."""
 
@@ -55,15 +70,26 @@ def take_wheels(
         raised: 1 with the plough out of the ground, 0 in it, NaN where nobody knows.
         h: room for a row, (SIZE,).
     """
-    wheels, sd = signal.wheel_mps, signal.wheel_sd_mps
+    wheels, sd = signal.wheel_mps.copy(), signal.wheel_sd_mps
     pitched = turned(signal.epoch_ns, memory)
     if not memory.known:
         begin(signal, age, nominal, tuning, memory)
         return
     towed = model.front_row(memory.x, age, h)
-    front, front_var, front_n = axle(wheels, sd, nominal, 0.0, towed, 0.0)
+    across = signal.yaw_rate_radps * nominal.track_rear_m
+    across = across if np.isfinite(across) else 0.0
+    if lifted(wheels, across, (signal.epoch_ns - memory.rear_ns) * 1e-9, nominal, memory):
+        # the mean of both was as much behind
+        doubt(memory, 0.5 * abs(memory.towed_apart_mps), LEAN_S, 1.0)
+    if memory.lifted:
+        wheels[memory.lifted - 1] = np.nan
+    front, front_var, front_n = axle(wheels, sd, nominal, 0.0, towed, across)
     predicted = model.rear_row(memory.x, memory.rim_mps, age, h)
+    if memory.leaps > MOST_LEAPS:
+        predicted = np.nan  # counts that cannot be, and go on: the prediction is wrong
     rear, rear_var, rear_n = axle(wheels, sd, nominal, 1.0, predicted, memory.apart_mps)
+    turning = (nominal.driven * np.abs(wheels) > 0.0).any()
+    memory.leaps = memory.leaps + 1 if turning and rear_n == 0 else 0
     if signal.one_driven_speed:
         rear_var *= rear_n
     if signal.one_towed_speed:
@@ -116,6 +142,7 @@ def _take_front(
     else:
         error = speed - model.front_row(memory.x, age + tau, h)
         count_var, memory.front_spans = variance, 0
+    lean(memory, FROM_FRONT, h, error, count_var, tuning.gate)
     if gated(memory, FROM_FRONT, h, error, count_var, signal.epoch_ns, tuning):
         memory.measured_ns = signal.epoch_ns
         if memory.front_spans:
@@ -148,7 +175,13 @@ def _take_rear(
         h[:] = 0.0
         h[REAR_TRAVEL] = 1.0
         error = counted - memory.x[REAR_TRAVEL]
-        nis = followed(memory, FROM_REAR, REAR_TRAVEL, REAR_TRAVEL, 0.0, h, error, count_var, 5.0)
+        grown, nis = surprise(memory, FROM_REAR, h, error, count_var, 5.0)
+        if grown > 0.0 and memory.miscounted * error > 0.0:  # again the same way: a motion
+            spun(memory, grown, 2.0 * tau)
+        elif grown > 0.0:
+            grow(memory, REAR_TRAVEL, REAR_TRAVEL, grown)
+        memory.miscounted = error if grown > 0.0 else 0.0
+        take(memory.x, memory.cov, h, error, count_var, memory.raised)
         memory.spin *= math.exp(SPIN_GAIN * (min(nis, 9.0) - SPIN_NIS))
         memory.spin = min(max(memory.spin, 1.0), MOST_SPIN)
         shift(memory, REAR_TRAVEL, -counted)

@@ -11,6 +11,9 @@ MOVING_MPS = 0.2
 """A counter that stands still while its wheel should turn this fast is stuck."""
 JUMP_MPS = 2.0
 """No wheel changes its speed by more between two samples."""
+APART_S, LIFTED, DOWN = 0.2, 0.03, 0.01
+"""Towed wheels that differ over this time [s] by more than such a share of their speed do not both
+touch the ground; they do again below the other. Tyres of one axle differ by less than 1 %."""
 
 
 @compiled
@@ -49,6 +52,36 @@ def axle(
     if n == 0:
         return np.nan, np.nan, 0
     return total / n, variance / n**2, n
+
+
+@compiled
+def lifted(wheels: Array, across: float, dt: float, nominal: Record, memory: Record) -> bool:
+    """Find the towed wheel that is in the air and coasts down; whether that has changed.
+
+    A towed wheel skids and does not spin: of two that differ by more than turning explains, the
+    slower is in the air. `memory.lifted` is 1 more than its place, 0 for none.
+
+    Args:
+        wheels: speeds [m/s], (4,), NaN where there is none.
+        across: right less left as turning makes it [m/s].
+        dt: time since the last sample [s].
+        nominal: record of `layout.NOMINAL`.
+        memory: record, changed in place.
+    """
+    left, right = (0, 1) if nominal.driven[2] else (2, 3)
+    faster = max(wheels[left], wheels[right])
+    if nominal.driven[left] or nominal.driven[right] or not np.isfinite(faster):
+        return False
+    share = min(dt / APART_S, 1.0)
+    memory.towed_apart_mps += share * (
+        wheels[right] - wheels[left] - across - memory.towed_apart_mps
+    )
+    before, apart = memory.lifted, abs(memory.towed_apart_mps)
+    if apart > LIFTED * max(abs(faster), MOVING_MPS):
+        memory.lifted = 1 + (left if memory.towed_apart_mps > 0.0 else right)
+    elif apart < DOWN * max(abs(faster), MOVING_MPS):
+        memory.lifted = 0
+    return bool(memory.lifted != before)
 
 
 @compiled

@@ -14,6 +14,7 @@ from estimators.layout import (
     GRAVITY_MPS2,
     IMU,
     OUT_OF_ORDER,
+    REPEATED,
     RESTARTED,
     STALE_S,
     WHEELS,
@@ -24,8 +25,18 @@ from estimators.slip_ekf.layout import ACCEL_BIAS, GATED, SIZE, TILTING, A, V
 from estimators.slip_ekf.noise import jerk_psd, listen, unrest
 from estimators.slip_ekf.pitch import turn
 from estimators.slip_ekf.report import report
-from estimators.slip_ekf.rows import gated, jolt, restart, shift, surprise, take
-from estimators.slip_ekf.tuning import FROM_CAMERA, FROM_GNSS, FROM_IMU
+from estimators.slip_ekf.rows import (
+    LEAN_S,
+    doubt,
+    gated,
+    jolt,
+    lean,
+    restart,
+    shift,
+    surprise,
+    take,
+)
+from estimators.slip_ekf.tuning import FROM_CAMERA, FROM_FRONT, FROM_GNSS, FROM_IMU
 
 
 @compiled
@@ -98,7 +109,9 @@ def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Rec
             error = speed - model.ground_row(memory.x, age, h)
             # what the motion did since, which v - a age does not know
             unknown = jerk_psd(tuning, memory) * age**3 / 3.0
-            if gated(memory, FROM_GNSS, h, error, sd**2 + unknown, signal.epoch_ns, tuning):
+            variance = sd**2 + unknown
+            _lean(signal, h, error, variance, tuning, memory)
+            if gated(memory, FROM_GNSS, h, error, variance, signal.epoch_ns, tuning):
                 memory.measured_ns = signal.epoch_ns
             else:
                 memory.flags |= GATED
@@ -107,6 +120,24 @@ def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Rec
             memory.measured_ns = signal.epoch_ns
     if np.isfinite(signal.v_y_held_mps) and np.isfinite(speed):
         _take_across(signal, tuning, memory)
+
+
+@compiled
+def _lean(
+    signal: Record, h: Array, error: float, variance: float, tuning: Record, memory: Record
+) -> None:
+    """Where GNSS is off the same way for long, the towed wheels have changed.
+
+    Unless they are off that way too: then it is the accelerometer. And a receiver that hangs knows
+    nothing of the others.
+    """
+    if signal.flags & REPEATED:
+        return
+    leans = lean(memory, FROM_GNSS, h, error, variance, tuning.gate)
+    if abs(leans) > tuning.lean:
+        towed = 1.0 if memory.lean[FROM_FRONT] * leans < 0.0 else 0.0
+        doubt(memory, error, LEAN_S, towed)
+        memory.lean[FROM_GNSS] = 0.0
 
 
 @compiled

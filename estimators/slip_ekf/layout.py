@@ -42,6 +42,11 @@ MEMORY = np.dtype(
         ("front_ns", "i8"),
         ("refused_ns", "i8", 5),
         ("conflict_mps", "f8", 5),
+        ("lean", "f8", 5),
+        ("lifted", "i8"),
+        ("towed_apart_mps", "f8"),
+        ("miscounted", "f8"),
+        ("leaps", "i8"),
         ("flags", "i8"),
         ("known", "i8"),
         ("raised", "i8"),
@@ -82,7 +87,11 @@ MEMORY = np.dtype(
     align=True,
 )
 """A plain value. `agreed_ns` is when a ground speed last fitted well, `refused_ns` since when one
-does not, and `conflict_mps` by how much where no other speaks for the estimate. `*_spans` is 1
+does not, and `conflict_mps` by how much where no other speaks for the estimate; `lean` is the mean
+of normalised innovations, `lifted` 1 more than the place of a towed wheel in the air,
+`towed_apart_mps` the towed wheels' speeds right less left, averaged, beyond what turning makes,
+`miscounted` the last error of the driven wheels' count if it was too large to be noise, `leaps` how
+many of their samples in a row could not be. `*_spans` is 1
 while the counted travel has an unbroken origin; `shift`, `cut` and `grown` say what else than a
 measurement changed the state since the last prediction: what was added to the mean, which states
 began anew, what was added to the covariance. `first_*` is the ground speed before the filter has

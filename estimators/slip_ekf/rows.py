@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from estimators.compiled import compiled
+from estimators.estimate import SLOW_MPS
 from estimators.kalman import Array, Record
-from estimators.slip_ekf.layout import ACCEL_BIAS, RADIUS, RIM_RATE, A, V, W
+from estimators.slip_ekf.layout import ACCEL_BIAS, RADIUS, REAR_TRAVEL, RIM_RATE, SKID, A, V, W
+from estimators.slip_ekf.tuning import FROM_GNSS
 
 AGREES, HELD_UP_S = 1.0, 0.2
 """A ground speed within so many variances, so recently [s], speaks for the estimate that another
 contradicts."""
+SPUN_S = 0.2
+"""Time in which a driver changes the speed of the wheels [s]."""
+LEAN_SHARE, LEAN_S = 0.05, 1.0
+"""Share of an innovation in their mean, and what time that makes for GNSS at 20 Hz [s]."""
 
 
 @compiled
@@ -80,12 +88,31 @@ def grow_evenly(memory: Record, low: int, high: int, by: float, dt: float) -> No
 
 
 @compiled
-def _doubt(memory: Record, error: float, since_s: float) -> None:
-    """A speed has been off by `error` for so long: by as much per time may the accelerometer be."""
-    doubted = ((V, error), (ACCEL_BIAS, -error / since_s))
+def doubt(memory: Record, error: float, since_s: float, towed: float) -> None:
+    """A speed has been off by `error` for so long, and who agreed with the estimate is in doubt.
+
+    By as much per time may the accelerometer be off, and, where `towed` is 1 and not 0, by as much
+    of the speed the towed wheels.
+    """
+    skid = -towed * error / max(abs(memory.x[V]), SLOW_MPS)
+    doubted = ((V, error), (ACCEL_BIAS, -error / since_s), (SKID, skid))
     for i, by in doubted:
         for j, and_by in doubted:
             grow(memory, i, j, by * and_by)
+
+
+@compiled
+def lean(memory: Record, source: int, h: Array, error: float, r: float, gate: float) -> float:
+    """How far a speed is off the same way for long, in sd of what white innovations would make.
+
+    lean <- lean + (e / sqrt(S) - lean) / n         of variance 1 / (2 n - 1) for white e
+
+    What is so far off that the gate refuses it does not count.
+    """
+    normalised = error / math.sqrt(innovation_var(memory.cov, h, r))
+    if abs(normalised) < gate:
+        memory.lean[source] += LEAN_SHARE * (normalised - memory.lean[source])
+    return float(memory.lean[source] / math.sqrt(LEAN_SHARE / (2.0 - LEAN_SHARE)))
 
 
 @compiled
@@ -118,7 +145,9 @@ def gated(
         memory.conflict_mps[source] = 0.0 if held_up else abs(error)
         if (epoch_ns - memory.refused_ns[source]) * 1e-9 < patience:
             return 0
-        _doubt(memory, error, max(refused_s, patience))
+        doubt(
+            memory, error, max(refused_s, patience), 1.0 if held_up and source == FROM_GNSS else 0.0
+        )
     else:
         count(memory, source, nis)
         if nis < AGREES:
@@ -159,6 +188,18 @@ def jolt(memory: Record, grown: float, dt: float, correlation: float) -> None:
         for j, and_by in ((V, 1.0), (W, kept)):
             grow(memory, i, j, when * by * and_by)
     grow_evenly(memory, W, RIM_RATE, apart, dt)
+
+
+@compiled
+def spun(memory: Record, grown: float, dt: float) -> None:
+    """The driven wheels turn faster or slower than thought: variance `grown` of the last travel.
+
+    travel = w dt,   w = w' SPUN_S
+    """
+    gained = ((REAR_TRAVEL, 1.0), (W, 1.0 / dt), (RIM_RATE, 1.0 / (dt * SPUN_S)))
+    for i, by in gained:
+        for j, and_by in gained:
+            grow(memory, i, j, grown * by * and_by)
 
 
 @compiled

@@ -15,7 +15,7 @@ TUNING = np.dtype(
             "usual_tau", "usual_psd", "swing_sd", "swing_hz", "swing_damping",
             "leak_sd", "leak_psd", "bias_psd", "gyro_bias_sd", "radius_sd",
             "radius_psd", "skid_sd", "skid_psd", "quick_skid_sd", "quick_radius_sd",
-            "quick_tau", "late_sd", "gate", "back", "patience", "trust", "follow",
+            "quick_tau", "late_sd", "gate", "back", "patience", "trust", "lean", "follow",
             "zero_slip", "zero_slip_sd", "unload", "unload_sd", "load", "load_sd",
             "settle_sd", "camera_scale_sd", "camera_scale_psd", "camera_sd",
             "v_y_psd", "mount_sd", "accel_floor_sd",
