@@ -31,7 +31,7 @@ class PloughEnv(SingleEnv):
     | name | default | meaning |
     |---|---|---|
     | `observation` | "estimate" | "estimate": an estimator's output and the instruments a cab has; "sensors": the latest raw samples; "truth": what is true, for ablation |
-    | `estimator` | "four-state" | for "estimate": a registered name, or `module:Name` |
+    | `estimator` | "slip-ekf" | for "estimate": a registered name, or `module:Name` |
     | `depth_m` | 0.25 | depth to plough at, for which the depth wheel is set [m], 0.05 to 0.35 |
     | `slip_target` | 0.12 | slip to work at [-], 0.02 to 0.4 |
     | `render_mode` | None | "rgb_array": `render()` gives a picture; "human": a window, in the tractor's own time |
@@ -169,7 +169,8 @@ class PloughEnv(SingleEnv):
     ## Version history
 
     v0: first. Since then, before any release: slopes, furrow depth, patches and place are drawn too,
-    fuel is in `info`, and the vector environment came.
+    fuel is in `info`, the vector environment came, and the estimate became that of "slip-ekf" and
+    not of "four-state", whose slip goes against the true one in quick changes.
     """  # noqa: E501
 
     episodes: Ploughing
@@ -177,7 +178,7 @@ class PloughEnv(SingleEnv):
     def __init__(
         self,
         observation: str = "estimate",
-        estimator: str = "four-state",
+        estimator: str = "slip-ekf",
         depth_m: float = 0.25,
         slip_target: float = 0.12,
         render_mode: str | None = None,

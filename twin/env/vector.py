@@ -45,7 +45,7 @@ class PloughVectorEnv(ManyEnv):
         num_envs: int = 1,
         max_episode_steps: int | None = None,
         observation: str = "estimate",
-        estimator: str = "four-state",
+        estimator: str = "slip-ekf",
         depth_m: float = 0.25,
         slip_target: float = 0.12,
         render_mode: str | None = None,
