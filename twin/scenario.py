@@ -8,6 +8,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from twin.errors import BadInput, OutOfRange, UnknownName, check_range
@@ -101,7 +102,7 @@ class Soil:
             raise UnknownName("soil preset", self.preset, PRESETS)
         if self.law not in LAWS and ":" not in self.law:
             raise UnknownName("soil law", self.law, LAWS)
-        resolved = self.resolved()
+        resolved = self.resolved
         check_range("soil.friction", resolved.friction, 0.05, 1.5)
         if self.cone_index_kpa is not None or not math.isnan(resolved.cone_index_kpa):
             check_range("soil.cone_index_kpa", resolved.cone_index_kpa, 50.0, 5000.0)
@@ -128,6 +129,7 @@ class Soil:
         check_range("soil.rocks_per_100m2", self.rocks_per_100m2, 0.0, 25.0)
         check_range("soil.rock_kn", self.rock_kn, 0.0, 50.0)
 
+    @cached_property
     def resolved(self) -> Preset:
         """The preset with this soil's own numbers in place."""
         preset = PRESETS[self.preset]

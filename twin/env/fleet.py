@@ -129,17 +129,17 @@ class Fleet:
     ) -> None:
         """Put some tractors back to a start, each on a ground of its own; nothing is compiled."""
         chosen = np.asarray(ids, dtype=np.int32)
-        self.batch.reset(chosen, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
+        self.batch.warning[chosen] = 0
         for i, start, ground in zip(ids, starts, grounds, strict=True):
             self.state[i] = start.state
             self.lay(i, ground.lie)
-            part = soil_part(ground.soil)
-            self.blocks[i, [block.SOIL + name for name in part]] = list(part.values())
-            self.blocks[i, self.front_grip] = (
-                self.front_ratio * PRESETS[ground.soil.preset].front_grip
-            )
-            place = _place(ground, start.along_m)
-            self.blocks[i, [block.FIELD + name for name in place]] = list(place.values())
+            numbers = self.blocks[i]
+            for name, value in soil_part(ground.soil).items():
+                numbers[block.SOIL + name] = value
+            for at in self.front_grip:
+                numbers[at] = self.front_ratio * PRESETS[ground.soil.preset].front_grip
+            for name, value in _place(ground, start.along_m).items():
+                numbers[block.FIELD + name] = value
             self.steer_rad[i], self.lift_rad[i] = start.steer_rad, start.lift_rad
         self.batch.forward(chosen, stage=mujoco.mjtStage.mjSTAGE_VEL.value)
 
@@ -187,7 +187,8 @@ class Fleet:
 
     def speed_mps(self) -> Array:
         """Magnitude of the rear axle's velocity, (nsim,)."""
-        return np.sqrt(dot(self.qvel[:, :3], self.qvel[:, :3]))
+        velocity = self.qvel[:, :3].T
+        return np.sqrt(dot(velocity, velocity))
 
     def rolling(self) -> Array:
         """Actions that keep all rolling steadily before an episode, (nsim, 2)."""
@@ -209,9 +210,9 @@ class Fleet:
 
     def _set(self, actions: Array) -> None:
         """Controls of all tractors for the next control step: the line held, the levers set."""
-        x, y = self.world_from_ground[:, :, 0], self.world_from_ground[:, :, 1]
+        x, y = self.world_from_ground[:, :, 0].T, self.world_from_ground[:, :, 1].T
         ahead = ahead_w(self.qpos[:, 3:7])
-        left_m, heading = dot(self.qpos[:, :3], y), np.arctan2(dot(ahead, y), dot(ahead, x))
+        left_m, heading = dot(self.qpos[:, :3].T, y), np.arctan2(dot(ahead, y), dot(ahead, x))
         self.steer_rad = steer(self.wheelbase_m, self.steer_rad, left_m, heading, self.period_s)
         left, right = ackermann(self.steer_rad, self.wheelbase_m, self.track_m)
         levers = {"steer_left": left, "steer_right": right} | self.levers(actions)

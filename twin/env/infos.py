@@ -13,17 +13,20 @@ Infos = dict[str, Any]
 
 def columns(rows: Sequence[Infos], ids: Sequence[int], mask: NDArray[np.bool_]) -> Infos:
     """Infos of the tractors in the mask as arrays over all, as Gymnasium's `_add_info` fills."""
-    infos: Infos = {}
+    infos, told = Infos(), mask.copy()
     for name, first in rows[0].items():
         column = np.zeros(len(mask)) if isinstance(first, float) else np.empty(len(mask), object)
-        for i, row in zip(ids, rows, strict=True):
-            column[i] = row[name]
-        infos[name], infos[f"_{name}"] = column, mask.copy()
+        infos[name], infos[f"_{name}"] = column, told
+    for i, row in zip(ids, rows, strict=True):
+        for name, value in row.items():
+            infos[name][i] = value
     return infos
 
 
 def add(infos: Infos, values: Mapping[str, Any], mask: NDArray[np.bool_]) -> None:
     """Values of the tractors in the mask, 0 for the others, with the mask beside them."""
-    for name, value in values.items():
-        infos[name], infos[f"_{name}"] = np.zeros(len(mask)), mask.copy()
-        infos[name][mask] = value
+    (ids,), told = mask.nonzero(), mask.copy()
+    all_values = np.zeros((len(values), len(mask)))
+    for row, (name, value) in zip(all_values, values.items(), strict=True):
+        row[ids] = value
+        infos[name], infos[f"_{name}"] = row, told

@@ -176,6 +176,6 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
             infos[name][ended] = value
         for name in last:
             if name.startswith("reward_"):
-                infos[name][ended], infos[f"_{name}"][ended] = 0.0, False
+                infos[name][ended], infos[f"_{name}"] = 0.0, infos[f"_{name}"] & ~ended
         infos |= {"final_obs": final, "_final_obs": ended}
         infos |= {"final_info": final_info, "_final_info": ended.copy()}

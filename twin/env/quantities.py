@@ -6,7 +6,7 @@ elementwise only, so that a tractor's numbers do not depend on how many stand be
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from twin.streams import WHEELS
 from twin.truth import slip_ratio
 
 Array = NDArray[np.float64]
+Vectors = Sequence[Array] | Array
 
 MACHINE = {
     "depth_m": MachineSlot.DEPTH_M,
@@ -25,36 +26,37 @@ MACHINE = {
     "engine_torque_nm": MachineSlot.ENGINE_TORQUE_NM,
     "axle_torque_nm": MachineSlot.AXLE_TORQUE_NM,
 }
-WHEEL = {"slip": WheelSlot.SLIP, "load_n": WheelSlot.LOAD_N}
+WHEEL = {
+    **{f"slip_{wheel}": (i, WheelSlot.SLIP) for i, wheel in enumerate(WHEELS)},
+    **{f"load_{wheel}_n": (i, WheelSlot.LOAD_N) for i, wheel in enumerate(WHEELS)},
+}
 
 
-def dot(a: Array, b: Array) -> Array:
-    """Scalar product over the last axis, of length 3, elementwise: (..., 3), (..., 3) -> (...)."""
-    product: Array = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
+def dot(a: Vectors, b: Vectors) -> Array:
+    """Scalar products, elementwise: components first, (3, nsim), (3, nsim) -> (nsim,)."""
+    product: Array = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     return product
 
 
-def ahead_w(world_from_body: Array) -> Array:
-    """The body's x axis in the world. Quaternions wxyz (nsim, 4) -> (nsim, 3)."""
+def ahead_w(world_from_body: Array) -> tuple[Array, Array, Array]:
+    """The body's x axis in the world. Quaternions wxyz (nsim, 4) -> (3, nsim)."""
     w, x, y, z = world_from_body.T
-    return np.stack(
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)], axis=-1
-    )
+    return 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)
 
 
-def ground_axes(world_from_body: Array, normal_w: Array) -> tuple[Array, Array]:
-    """The body's x axis projected on the ground plane, and y = n x x.
+def ground_axes(world_from_body: Array, normal_w: Vectors) -> tuple[Vectors, Vectors]:
+    """The body's x axis projected on the ground plane, and y = n x x, each (3, nsim).
 
     Args:
         world_from_body: quaternions wxyz (nsim, 4).
-        normal_w: normal of the ground plane (3,), or of each tractor's (nsim, 3).
+        normal_w: normals of the tractors' ground planes (3, nsim).
     """
-    ahead = ahead_w(world_from_body)
-    ahead = ahead - dot(ahead, normal_w)[..., None] * normal_w
-    ahead = ahead / np.sqrt(dot(ahead, ahead))[..., None]
-    n, (x, y, z) = normal_w.T, ahead.T
-    left = np.stack([n[1] * z - n[2] * y, n[2] * x - n[0] * z, n[0] * y - n[1] * x], axis=-1)
-    return ahead, left
+    n, ahead = normal_w, ahead_w(world_from_body)
+    above = dot(ahead, n)
+    x, y, z = (part - above * along for part, along in zip(ahead, n, strict=True))
+    length = np.sqrt(x * x + y * y + z * z)
+    x, y, z = x / length, y / length, z / length
+    return (x, y, z), (n[1] * z - n[2] * y, n[2] * x - n[0] * z, n[0] * y - n[1] * x)
 
 
 def true(
@@ -66,12 +68,13 @@ def true(
         slots: the callback's report, `userdata` (nsim, nuserdata).
         velocity_w: velocity of the rear-axle centre (nsim, 3) [m/s].
         world_from_body: attitude, quaternions wxyz (nsim, 4).
-        normal_w: normal of the ground plane (3,), or of each tractor's (nsim, 3).
+        normal_w: normals of the tractors' ground planes (nsim, 3).
         driven: places of the driven wheels in `twin.streams.WHEELS`.
     """
     wheels = slots[:, : block.MACHINE_SLOTS].reshape(len(slots), len(WHEELS), int(WheelSlot.SIZE))
     machine = slots[:, block.MACHINE_SLOTS :]
-    ahead, left = ground_axes(world_from_body, normal_w)
+    ahead, left = ground_axes(world_from_body, tuple(normal_w.T))
+    velocity = tuple(velocity_w.T)
     rim, hub, spin = (np.zeros(len(slots)) for _ in range(3))
     for i in driven:
         rate = wheels[:, i, WheelSlot.RATE_RADPS]
@@ -79,16 +82,13 @@ def true(
         hub = hub + wheels[:, i, WheelSlot.SPEED_X_MPS]
         spin = spin + rate
     out: dict[str, Array] = {
-        "speed_mps": dot(ahead, velocity_w),
-        "v_y_rear_mps": dot(left, velocity_w),
+        "speed_mps": dot(ahead, velocity),
+        "v_y_rear_mps": dot(left, velocity),
         "wheel_speed_mps": rim / len(driven),
         "axle_radps": spin / len(driven),
         "slip": slip_ratio(rim / len(driven), hub / len(driven)),
     }
-    for what, slot in WHEEL.items():
-        name, unit = what.split("_") if "_" in what else (what, "")
-        for i, wheel in enumerate(WHEELS):
-            out["_".join(filter(None, (name, wheel, unit)))] = wheels[:, i, slot]
+    out |= {name: wheels[:, i, slot] for name, (i, slot) in WHEEL.items()}
     return out | {name: machine[:, slot] for name, slot in MACHINE.items()}
 
 

@@ -77,7 +77,7 @@ class TorqueFleet(Fleet):
     ) -> None:
         """As a fleet's, and the draft as large as the soil makes it."""
         super().restore(ids, starts, grounds)
-        self.draft_scale[ids] = [ground.soil.resolved().draft_scale for ground in grounds]
+        self.draft_scale[ids] = [ground.soil.resolved.draft_scale for ground in grounds]
         self.torques[ids] = [start.action for start in starts]
         self.draft[ids] = self._draft()[ids]
 
@@ -111,12 +111,12 @@ class TorqueFleet(Fleet):
 
     def _draft(self) -> Array:
         """The cultivator's draft at the speed of now, (nsim,)."""
-        return draft_n(self.draft_scale, dot(ahead_w(self.qpos[:, 3:7]), self.qvel[:, :3]))
+        return draft_n(self.draft_scale, dot(ahead_w(self.qpos[:, 3:7]), self.qvel[:, :3].T))
 
     def _pull(self) -> None:
         """The cultivator's force for the next control step, moved to the body's centre of mass."""
         quaternion = self.qpos[:, 3:7]
-        ahead, self.draft = ahead_w(quaternion), self._draft()
+        ahead, self.draft = np.stack(ahead_w(quaternion), axis=-1), self._draft()
         force = -self.draft[:, None] * ahead
         arm = _turned(quaternion, self.arm_m)
         self.pulled[:, :3], self.pulled[:, 3:] = force, _cross(arm, force)

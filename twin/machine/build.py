@@ -101,7 +101,7 @@ def build(scenario: Scenario, *, looks: bool = False, settle: bool = True) -> Ma
         work_rad = set_plough(
             model,
             scenario.plough,
-            scenario.soil.resolved().draft_scale,
+            scenario.soil.resolved.draft_scale,
             numbers,
             hitch,
             axle_height_m,

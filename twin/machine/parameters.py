@@ -61,7 +61,7 @@ def parameter_block(
         part = _coupling(model, name, numbers, scenario.drive.gear_ratio)
         parts.append((block.COUPLING + i * Coupling.SIZE, part))
     for i, wheel in enumerate(block.WHEELS):
-        part = _wheel(model, wheel, numbers, scenario.soil.resolved().front_grip)
+        part = _wheel(model, wheel, numbers, scenario.soil.resolved.front_grip)
         parts.append((block.WHEEL + i * Wheel.SIZE, part))
     if scenario.plough is not None:
         parts.append((block.PLOUGH, _plough(model, numbers, scenario.plough)))
@@ -73,7 +73,7 @@ def parameter_block(
 
 def soil_part(soil: Ground) -> dict[Any, float]:
     """The block's numbers of a soil."""
-    preset = soil.resolved()
+    preset = soil.resolved
     return {
         Soil.LAW: law_number(soil.law),
         Soil.FRICTION: preset.friction,

@@ -45,7 +45,7 @@ def _expected_draft_n(machine: Machine) -> float:
     scenario = machine.scenario
     if scenario.plough is None:
         return 0.0
-    scale = scenario.soil.resolved().draft_scale
+    scale = scenario.soil.resolved.draft_scale
     return expected_draft_n(machine.numbers, scenario.plough.depth_m, scale)
 
 

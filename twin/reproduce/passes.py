@@ -99,7 +99,7 @@ def d497_n(machine: Machine, speed_mps: Array, depth_m: Array) -> Array:
     numbers = machine.numbers
     width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
     specific = numbers["plough.draft_a"] + numbers["plough.draft_c"] * (3.6 * speed_mps) ** 2
-    scale = machine.scenario.soil.resolved().draft_scale
+    scale = machine.scenario.soil.resolved.draft_scale
     return np.asarray(scale * specific * width_m * 100.0 * depth_m)
 
 

@@ -50,4 +50,4 @@ def wheels(state: Any) -> Array:
 def mobility_of(axle: str, load_n: float, soil: Soil) -> float:
     """Brixius' mobility number of the tractor's tyre of an axle."""
     sizes = machine_tyre("taishan_1404a", axle)
-    return mobility(sizes, load_n, soil.resolved().cone_index_kpa)
+    return mobility(sizes, load_n, soil.resolved.cone_index_kpa)

@@ -138,7 +138,7 @@ def bekker_arc() -> list[Check]:
 
 def _arc_checks(preset: str) -> list[Check]:
     soil, load_n, slip = Soil(law="bekker", preset=preset), 5e3, 0.2
-    numbers = soil.resolved().deformable
+    numbers = soil.resolved.deformable
     if numbers is None:
         raise ValueError(f"soil preset '{preset}' has no numbers for Bekker's law")
     arc = Arc(numbers, slip, 0.45, 0.30)
