@@ -178,7 +178,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--env", default="Plough-v0", choices=list(USUAL))
     parser.add_argument("--out", default="slip.zip")
-    parser.add_argument("--decisions", type=int, default=60_000)
+    parser.add_argument("--decisions", type=int, default=80_000)
     parser.add_argument("--minutes", type=float, default=9.5, help="ends it before, if it must")
     parser.add_argument("--tractors", type=int, default=64)
     parser.add_argument("--seed", type=int, default=0)
