@@ -91,14 +91,13 @@ does not, and `conflict_mps` by how much where no other speaks for the estimate;
 of normalised innovations, `lifted` 1 more than the place of a towed wheel in the air,
 `towed_apart_mps` the towed wheels' speeds right less left, averaged, beyond what turning makes,
 `miscounted` the last error of the driven wheels' count if it was too large to be noise, `leaps` how
-many of their samples in a row could not be. `*_spans` is 1
-while the counted travel has an unbroken origin; `shift`, `cut` and `grown` say what else than a
-measurement changed the state since the last prediction: what was added to the mean, which states
-began anew, what was added to the covariance. `first_*` is the ground speed before the filter has
-begun; `accel` the last accelerations, newest first, `accel_var` the variance of their noise,
-`jerk_psd` the density of the jerk as they show it, `forgotten_s` the time over which accelerations
-are forgotten; `lowered` is 1 once the plough has been in the ground; `apart` the driven wheels'
-speeds right less left, `rim` their mean, averaged over some seconds, `spin` the factor of the noise
-on their motion; `pitch_*` how the body has turned nose down, and had at the last wheel sample;
-`travelled` the way since sideslip is summed; `nis_*` and `refused` count for GNSS, IMU, front, rear
-and camera, in this order."""
+many of their samples in a row could not be. `*_spans` is 1 while the counted travel has an unbroken
+origin; `shift`, `cut` and `grown` say what else than a measurement changed the state since the last
+prediction: what was added to the mean, which states began anew, what was added to the covariance.
+`first_*` is the ground speed before the filter has begun; `accel` the last accelerations, newest
+first, `accel_var` the variance of their noise, `jerk_psd` the density of the jerk as they show it,
+`forgotten_s` the time over which accelerations are forgotten; `lowered` is 1 once the plough has
+been in the ground; `apart` the driven wheels' speeds right less left, `rim` their mean, averaged
+over some seconds, `spin` the factor of the noise on their motion; `pitch_*` how the body has turned
+nose down, and had at the last wheel sample; `travelled` the way since sideslip is summed; `nis_*`
+and `refused` count for GNSS, IMU, front, rear and camera, in this order."""

@@ -88,6 +88,14 @@ def grow_evenly(memory: Record, low: int, high: int, by: float, dt: float) -> No
 
 
 @compiled
+def _grow_along(memory: Record, way: tuple[tuple[int, float], ...], by: float) -> None:
+    """One unknown of variance `by` that moves several states at once: P <- P + by w w^T."""
+    for i, along in way:
+        for j, and_along in way:
+            grow(memory, i, j, by * along * and_along)
+
+
+@compiled
 def doubt(memory: Record, error: float, since_s: float, towed: float) -> None:
     """A speed has been off by `error` for so long, and who agreed with the estimate is in doubt.
 
@@ -95,10 +103,7 @@ def doubt(memory: Record, error: float, since_s: float, towed: float) -> None:
     of the speed the towed wheels.
     """
     skid = -towed * error / max(abs(memory.x[V]), SLOW_MPS)
-    doubted = ((V, error), (ACCEL_BIAS, -error / since_s), (SKID, skid))
-    for i, by in doubted:
-        for j, and_by in doubted:
-            grow(memory, i, j, by * and_by)
+    _grow_along(memory, ((V, error), (ACCEL_BIAS, -error / since_s), (SKID, skid)), 1.0)
 
 
 @compiled
@@ -180,13 +185,8 @@ def jolt(memory: Record, grown: float, dt: float, correlation: float) -> None:
     """
     kept, apart = 1.0 - correlation, grown * (1.0 - correlation**2)
     jolted = ((A, 1.0), (V, 0.5 * dt), (RIM_RATE, kept), (W, 0.5 * dt * kept))
-    for i, by in jolted:
-        for j, and_by in jolted:
-            grow(memory, i, j, grown * by * and_by)
-    when = dt * dt / 12.0 * grown
-    for i, by in ((V, 1.0), (W, kept)):
-        for j, and_by in ((V, 1.0), (W, kept)):
-            grow(memory, i, j, when * by * and_by)
+    _grow_along(memory, jolted, grown)
+    _grow_along(memory, ((V, 1.0), (W, kept)), dt * dt / 12.0 * grown)
     grow_evenly(memory, W, RIM_RATE, apart, dt)
 
 
@@ -197,9 +197,7 @@ def spun(memory: Record, grown: float, dt: float) -> None:
     travel = w dt,   w = w' SPUN_S
     """
     gained = ((REAR_TRAVEL, 1.0), (W, 1.0 / dt), (RIM_RATE, 1.0 / (dt * SPUN_S)))
-    for i, by in gained:
-        for j, and_by in gained:
-            grow(memory, i, j, grown * by * and_by)
+    _grow_along(memory, gained, grown)
 
 
 @compiled
