@@ -132,6 +132,15 @@ def test_files_are_there_whole_or_not_at_all(tmp_path: Path) -> None:
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["kept", "whole"]
 
 
+def _deaf() -> bool:
+    return signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
+def test_processes_leave_ctrl_c_to_the_one_that_began_them() -> None:
+    assert many([delayed(_deaf)() for _ in range(4)], jobs=2) == [True] * 4
+    assert not _deaf()
+
+
 INTERRUPTED = {
     "run": ["run", "slope-9-dry", "--course.calibration-m", "200", "--frames", "frames"],
     "reproduce": ["reproduce", "plough-field", "--jobs", "2", "--json", "rows.json"],

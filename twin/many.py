@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from multiprocessing import resource_tracker
 from typing import Any
 
 import joblib
@@ -39,17 +41,30 @@ def many(calls: Iterable[Any], jobs: int = 1) -> list[Any]:
     """
     calls, told = list(calls), _TOLD.get()
     told(0, len(calls))
-    parallel = Counted(n_jobs=jobs)
-    parallel.told = lambda done: told(done, len(calls))
-    with telling(_nobody):  # of calls that a call makes
+    with Counted(n_jobs=jobs) as parallel, telling(_nobody):  # of calls that a call makes
+        if jobs != 1:
+            _start(parallel)
+        parallel.told = lambda done: told(done, len(calls))
         found: list[Any] = parallel(calls)
     return found
+
+
+def _start(parallel: Counted) -> None:
+    """Start the processes deaf to Ctrl-C: it goes to all, and this one is to end the others."""
+    if not hasattr(signal, "pthread_sigmask"):
+        return
+    resource_tracker.ensure_running()  # its own start lifts a mask
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        parallel([joblib.delayed(int)()])  # a process keeps the mask it began with
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 class Counted(joblib.Parallel):  # type: ignore[misc]
     """Parallel that says how many are done, whatever the backend."""
 
-    told: Callable[[int], None]
+    told: Callable[[int], None] = staticmethod(lambda done: None)
 
     def print_progress(self) -> None:
         """Called by joblib after every batch."""
