@@ -112,8 +112,9 @@ class Soil:
                 "set soil.cone_index_kpa, or soil.law to bekker"
             )
         if resolved.deformable is not None:
-            for name, (low, high) in DEFORMABLE_RANGES.items():
-                check_range(f"soil.{name}", getattr(resolved.deformable, name), low, high)
+            if resolved.deformable is not PRESETS[self.preset].deformable:  # those are in range
+                for name, (low, high) in DEFORMABLE_RANGES.items():
+                    check_range(f"soil.{name}", getattr(resolved.deformable, name), low, high)
             if self.law == "bekker":
                 _check_bearing(resolved.deformable)
         elif self.law == "bekker":

@@ -9,7 +9,7 @@ import pytest
 
 from twin import registry, sensors, truth
 from twin.env import grounds, reward, starts
-from twin.env.fleet import Fleet, depth_set_m, governor, lift_rad
+from twin.env.fleet import Axes, Fleet, depth_set_m, governor, lift_rad
 from twin.env.instruments import Instruments
 from twin.env.quantities import powers
 from twin.env.starts import APPROACH_S
@@ -106,7 +106,8 @@ def test_a_reset_patches_the_block_as_a_build_would_write_it(machine, begin):
     }
     chosen = grounds.check_options(options)
     fleet, drawn = Fleet(machine), grounds.draw(np.random.default_rng(4), chosen, LEVEL)
-    fleet.restore([0], [begin], [drawn])
+    sloped = replace(begin, axes=Axes.of(drawn.lie, machine.scenario.course))
+    fleet.restore([0], [sloped], [drawn])
     patches = tuple(replace(p, start_m=begin.along_m + p.start_m) for p in drawn.patches)
     field = replace(drawn.lie.field(), patches=patches)
     scenario = replace(machine.scenario, soil=drawn.soil, seed=drawn.pattern_seed, field=field)

@@ -5,7 +5,17 @@ import math
 import pytest
 
 from twin.errors import OutOfRange, UnknownName
-from twin.scenario import Course, Drive, Field, Patch, Plough, Scenario, Soil
+from twin.scenario import (
+    DEFORMABLE_RANGES,
+    Course,
+    Drive,
+    Field,
+    Patch,
+    Plough,
+    Scenario,
+    Soil,
+)
+from twin.soils import PRESETS
 
 LIMITS = [
     (Soil, "soil.friction", 0.05, 1.5),
@@ -84,6 +94,14 @@ def test_a_value_out_of_its_range_is_refused_by_name_with_the_range(part, name, 
         assert f"[{low:g}, {high:g}]" in str(refused.value)
     for value in (low, high):
         assert getattr(part(**needed | {own: value}), own) == value
+
+
+def test_the_presets_own_numbers_are_in_range():
+    """A soil checks only those that are its own."""
+    deformable = [preset.deformable for preset in PRESETS.values() if preset.deformable]
+    assert deformable
+    for name, (low, high) in DEFORMABLE_RANGES.items():
+        assert all(low <= getattr(one, name) <= high for one in deformable), name
 
 
 def test_no_numeric_field_is_left_unchecked():

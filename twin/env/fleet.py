@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import mujoco
@@ -13,7 +12,7 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from twin.env.grounds import Ground, Lie
-from twin.env.quantities import ahead_w, dot, powers, true
+from twin.env.quantities import Ids, ahead_w, dot, powers, true
 from twin.errors import BadInput
 from twin.machine.build import Machine
 from twin.machine.columns import Recorder
@@ -41,11 +40,28 @@ SLOWEST_RPM, FASTEST_RPM = 900.0, 2376.0
 
 
 @dataclass(frozen=True)
+class Axes:
+    """How the ground lies under a tractor."""
+
+    world_from_ground: Array
+    """Rotation matrix (3, 3)."""
+    quaternion: Array
+    """The same, wxyz (4,)."""
+
+    @classmethod
+    def of(cls, lie: Lie, course: Course) -> Axes:
+        """Those of a field that a course crosses."""
+        rotation = world_from_ground(lie.field(), course)
+        return cls(rotation, quaternion(rotation))
+
+
+@dataclass(frozen=True)
 class Start:
     """Where an episode begins: rolling steadily, the plough carried just above the ground."""
 
     state: Array
     """MuJoCo's whole state (nstate,)."""
+    axes: Axes
     approach: Trajectory | None
     """What led there, for sensors and filters to settle on; None where nobody looks."""
     along_m: float
@@ -118,7 +134,8 @@ class Fleet:
         self.world_from_ground = np.repeat(machine.world_from_ground[None], nsim, axis=0)
         self.track_m = 2.0 * float(model.body("fl_knuckle").pos[1])
         self.wheelbase_m = float(model.body("front_axle").pos[0])
-        self.driven = [WHEELS.index(w) for w in geometry(machine).driven]
+        self.driven = np.array([WHEELS.index(w) for w in geometry(machine).driven])
+        self.everyone = np.arange(nsim)
         self.steer_rad, self.lift_rad = np.zeros(nsim), np.zeros(nsim)
         first = block.WHEEL + Wheel.LATERAL_RATIO
         self.front_grip = [first + i * Wheel.SIZE for i, w in enumerate(WHEELS) if w[0] == "f"]
@@ -128,11 +145,10 @@ class Fleet:
         self, ids: Sequence[int], starts: Sequence[Start], grounds: Sequence[Ground]
     ) -> None:
         """Put some tractors back to a start, each on a ground of its own; nothing is compiled."""
-        chosen = np.asarray(ids, dtype=np.int32)
-        self.batch.warning[chosen] = 0
         for i, start, ground in zip(ids, starts, grounds, strict=True):
+            self.batch.warning[i] = 0
             self.state[i] = start.state
-            self.lay(i, ground.lie)
+            self.lay(i, start.axes, ground.lie.furrow_depth_m)
             numbers = self.blocks[i]
             for name, value in soil_part(ground.soil).items():
                 numbers[block.SOIL + name] = value
@@ -141,17 +157,16 @@ class Fleet:
             for name, value in _place(ground, start.along_m).items():
                 numbers[block.FIELD + name] = value
             self.steer_rad[i], self.lift_rad[i] = start.steer_rad, start.lift_rad
-        self.batch.forward(chosen, stage=mujoco.mjtStage.mjSTAGE_VEL.value)
+        self.batch.forward(np.array(ids, dtype=np.int32), stage=mujoco.mjtStage.mjSTAGE_VEL.value)
 
-    def lay(self, i: int, lie: Lie) -> None:
+    def lay(self, i: int, axes: Axes, furrow_depth_m: float) -> None:
         """Slope the ground under one tractor, and give its last furrow its depth."""
-        rotation, turned = _axes(lie, self.machine.scenario.course)
-        self.world_from_ground[i], self.ground_quat[i] = rotation, turned
-        axes = block.FIELD + Field.AHEAD  # ahead, left and normal stand one after the other
-        self.blocks[i, axes : axes + 9] = rotation.T.ravel()
-        self.blocks[i, block.FIELD + Field.FURROW_DEPTH_M] = lie.furrow_depth_m
+        self.world_from_ground[i], self.ground_quat[i] = axes.world_from_ground, axes.quaternion
+        first = block.FIELD + Field.AHEAD  # ahead, left and normal stand one after the other
+        self.blocks[i, first : first + 9] = axes.world_from_ground.T.ravel()
+        self.blocks[i, block.FIELD + Field.FURROW_DEPTH_M] = furrow_depth_m
         if self.machine.scenario.plough is not None:
-            edge_m = furrow_edge_m(self.machine.numbers, lie.furrow_depth_m)
+            edge_m = furrow_edge_m(self.machine.numbers, furrow_depth_m)
             self.blocks[i, block.FIELD + Field.FURROW_EDGE_M] = edge_m
 
     def drive(self, actions: Array, *, record: bool) -> dict[Any, NDArray[Any]] | None:
@@ -178,12 +193,16 @@ class Fleet:
             )
         return records
 
-    def true(self, ids: Any = slice(None)) -> dict[str, Array]:
-        """What is true now of each tractor, or of some; see `twin.env.quantities.true`."""
-        normal_w = self.world_from_ground[ids, :, 2]
-        velocity_w, attitude = self.velocity_w[ids], self.world_from_body[ids]
-        now = true(self.slots[ids], velocity_w, attitude, normal_w, self.driven)
+    def true(self, ids: Ids | None = None) -> dict[str, Array]:
+        """What is true now of each tractor, or of some; see `twin.env.quantities`."""
+        now = self.motion(self.everyone if ids is None else ids)
         return now | powers(now)
+
+    def motion(self, ids: Ids) -> dict[str, Array]:
+        """The same without powers; see `twin.env.quantities.true`."""
+        normal_w = self.world_from_ground[:, :, 2]
+        velocity_w, attitude = self.velocity_w, self.world_from_body
+        return true(ids, self.slots, velocity_w, attitude, normal_w, self.driven)
 
     def speed_mps(self) -> Array:
         """Magnitude of the rear axle's velocity, (nsim,)."""
@@ -218,13 +237,6 @@ class Fleet:
         levers = {"steer_left": left, "steer_right": right} | self.levers(actions)
         for name, value in levers.items():
             self.ctrl[:, self.controls[name]] = value
-
-
-@lru_cache(maxsize=256)
-def _axes(lie: Lie, course: Course) -> tuple[Array, Array]:
-    """The ground's axes, a rotation from them to the world, and the same as a quaternion."""
-    rotation = world_from_ground(lie.field(), course)
-    return rotation, quaternion(rotation)
 
 
 def _place(ground: Ground, start_m: float) -> dict[Any, float]:

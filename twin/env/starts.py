@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.env.fleet import RAISED_M, Fleet, Start, lift_rad
+from twin.env.fleet import RAISED_M, Axes, Fleet, Start, lift_rad
 from twin.env.grounds import Lie
 from twin.machine.build import Machine
 from twin.machine.columns import Recorder
@@ -60,8 +60,9 @@ def settle(
         kind: how the machine is driven.
     """
     fleet = kind(machine, len(lies), nthread)
+    axes = [Axes.of(lie, machine.scenario.course) for lie in lies]
     for i, lie in enumerate(lies):
-        fleet.lay(i, lie)
+        fleet.lay(i, axes[i], lie.furrow_depth_m)
         _place(fleet, i)
     for _ in range(round(SETTLE_S / fleet.period_s)):
         fleet.drive(fleet.rolling(), record=False)
@@ -79,7 +80,7 @@ def settle(
         place = along_m, float(fleet.steer_rad[i]), float(fleet.lift_rad[i])
         first, second = fleet.rolling()[i].tolist()
         state = fleet.batch.state[i].copy()
-        starts.append(Start(state, approach, *place, (first, second)))
+        starts.append(Start(state, axes[i], approach, *place, (first, second)))
     return starts
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from twin.env.fleet import Fleet, Start
 from twin.env.grounds import Ground
-from twin.env.quantities import ahead_w, dot, powers
+from twin.env.quantities import Ids, ahead_w, dot, powers
 from twin.machine.build import Machine
 
 Array = NDArray[np.float64]
@@ -101,12 +101,12 @@ class TorqueFleet(Fleet):
             "torque_right": STALL_NM * actions[:, 1],
         }
 
-    def true(self, ids: Any = slice(None)) -> dict[str, Array]:
+    def true(self, ids: Ids | None = None) -> dict[str, Array]:
         """As a fleet's, with the cultivator's draft and the motors' torque."""
-        now = super().true(ids)
-        rates = self.qvel[ids][:, self.spins]
-        torque = STALL_NM * self.torques[ids] - DRAG_NMSPM * rates
-        now |= {"draft_n": self.draft[ids].copy(), "axle_torque_nm": torque[:, 0] + torque[:, 1]}
+        ids = self.everyone if ids is None else ids
+        torque = STALL_NM * self.torques[ids] - DRAG_NMSPM * self.qvel[ids][:, self.spins]
+        own = {"draft_n": self.draft[ids], "axle_torque_nm": torque[:, 0] + torque[:, 1]}
+        now = self.motion(ids) | own
         return now | powers(now, LEAST_W)
 
     def _draft(self) -> Array:
