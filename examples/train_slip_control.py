@@ -4,115 +4,195 @@
     python examples/train_slip_control.py --env Plough-v0 --out plough.zip
     twin compare-controllers --env Plough-v0 --policy plough.zip
 
-The policy learns what to add to the tuned PI. It is trained on the truth of training
-grounds, blurred as the estimate was there; it meets the estimator itself, which is many times
-slower, first on the grounds that compare.
+The policy learns what to add to a PI, by what it is ahead of the tuned PI that drives beside it on
+the same ground. Both see the truth of training grounds, blurred as the estimate was there; the
+estimator itself, which is many times slower, the policy meets first on the grounds that compare.
 """
 
 import argparse
 import time
+from dataclasses import dataclass
 
 import numpy as np
 import torch
 from gymnasium.spaces import Box
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.utils import LinearSchedule
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 
 from twin.control import policy
 from twin.control.trials import ENVIRONMENTS, TRAINING
 
-GAMMA, SCALE, STALL = 0.9, 5.0, 30.0
-USUAL = {"Plough-v0": 0.79, "WheelSlip-v0": 0.82}
-"""Rewards are learned as what they are above the usual, scaled; a stall loses that for good."""
-BIAS = {"Plough-v0": {"slip": (0.0015, 0.004), "depth_m": (-0.003, 0.0055)}, "WheelSlip-v0": {}}
-"""Mean and sd of what an estimate is off by for a whole episode."""
-NOISE = {
-    "Plough-v0": {
-        "slip": 0.006, "speed_mps": 0.009, "wheel_speed_mps": 0.016, "depth_m": 0.005,
-        "draft_n": 1240.0,
-    },
-    "WheelSlip-v0": {
-        "slip": 0.007, "slip_rl": 0.015, "slip_rr": 0.015, "speed_mps": 0.02,
-        "wheel_speed_mps": 0.01, "draft_n": 1000.0,
-    },
+SCALE, STALL = 5.0, 30.0
+"""Factor on the rewards, and what a stall loses besides."""
+
+
+@dataclass(frozen=True)
+class Blur:
+    """What an estimate is off by, as it was on training grounds."""
+
+    bias: dict
+    """Mean and sd of what stays for a whole episode."""
+    sd: dict
+    """sd of what comes and goes."""
+    late: int = 0
+    """Control steps it is late by."""
+    kept: float = 0.0
+    """Share of what comes and goes that is left after a control step."""
+
+
+BLURS = {
+    "Plough-v0": Blur(
+        bias={"slip": (0.0015, 0.004), "depth_m": (-0.003, 0.0055)},
+        sd={
+            "slip": 0.006, "speed_mps": 0.009, "wheel_speed_mps": 0.016, "depth_m": 0.005,
+            "draft_n": 1240.0,
+        },
+        late=2,
+        kept=0.7,
+    ),
+    "WheelSlip-v0": Blur(
+        bias={},
+        sd={
+            "slip": 0.007, "slip_rl": 0.015, "slip_rr": 0.015, "speed_mps": 0.02,
+            "wheel_speed_mps": 0.01, "draft_n": 1000.0,
+        },
+    ),
 }  # fmt: skip
-"""sd of what it is off by besides, drawn anew in each control step."""
 
 
-class Fields(VecEnv):
-    """A vector environment as stable-baselines3 wants it; a step is one decision of the policy."""
+class Blurred:
+    """The truth of many tractors as a blur shows it."""
 
-    def __init__(self, name, tractors, steps, seed):
-        kind = ENVIRONMENTS[name][0]
-        self.env = kind(tractors, observation="truth", autoreset_mode="DISABLED")
-        self.task, self.usual = policy.TASKS[name], USUAL[name]
-        self.biases, self.sds = BIAS[name], NOISE[name]
+    def __init__(self, blur, count, noise):
+        self.blur, self.count, self.noise = blur, count, noise
+        self.past, self.bias = [], {name: np.zeros(count) for name in blur.bias}
+        self.drift = {name: np.zeros(count) for name in blur.sd}
+
+    def step(self, true):
+        """What is seen a control step later."""
+        self.past = [*self.past, true][-1 - self.blur.late :]
+        fresh = np.sqrt(1.0 - self.blur.kept**2)
+        for name, sd in self.blur.sd.items():
+            new = fresh * sd * self.noise.standard_normal(self.count)
+            self.drift[name] = self.blur.kept * self.drift[name] + new
+        return self.seen()
+
+    def begin(self, true, which):
+        """What is seen where episodes begin, and by the others as before."""
+        for name, (mean, sd) in self.blur.bias.items():
+            drawn = mean + sd * self.noise.standard_normal(self.count)
+            self.bias[name] = np.where(which, drawn, self.bias[name])
+        self.past = [
+            {name: np.where(which, true[name], value) for name, value in earlier.items()}
+            for earlier in self.past or [true]
+        ]
+        return self.seen()
+
+    def seen(self):
+        seen = dict(self.past[-1])
+        for name, off in self.drift.items():
+            seen[name] = self.past[0][name] + off
+        for name, off in self.bias.items():
+            seen[name] = seen[name] + off
+        return seen
+
+
+class Pairs(VecEnv):
+    """Pairs of tractors on the same ground, one with the policy and one with the tuned PI.
+
+    A step is one decision of the policy. The ground weighs ten times as heavily on the reward as
+    anything a policy does; it falls out of the difference to the PI's.
+    """
+
+    def __init__(self, name, pairs, steps, seed):
+        kind, baselines = ENVIRONMENTS[name]
+        self.env = kind(2 * pairs, observation="truth", autoreset_mode="DISABLED")
+        self.task, self.tuned = policy.TASKS[name], baselines["pi"]
         self.names = [entry.name for entry in self.env.entries]
         self.period_s = self.env.episodes.fleet.period_s
         self.repeat = round(policy.DECISION_S / self.period_s)
         self.steps, self.noise = steps, np.random.default_rng(seed)
-        self.first = TRAINING + 1000 * seed
+        self.ground = TRAINING + 1000 * seed
+        self.blurred = Blurred(BLURS[name], 2 * pairs, self.noise)
         seen = Box(-10.0, 10.0, (self.task.size,), np.float32)
-        super().__init__(tractors, seen, Box(-1.0, 1.0, (2,), np.float32))
+        super().__init__(pairs, seen, Box(-1.0, 1.0, (2,), np.float32))
 
     def reset(self):
-        observation, _ = self.env.reset(seed=self.first)
         self.age = self.noise.integers(self.steps, size=self.num_envs)  # not all end at once
-        self.slow, self.base = None, self.task.base.init(self.num_envs)
-        self.bias = {}
-        return self._features(observation)
+        self.base, self.other = (c.init(self.num_envs) for c in (self.task.base, self.tuned))
+        self.slow = None
+        self._begin(np.ones(self.num_envs, dtype=bool))
+        return self._features()
 
     def step_async(self, actions):
         self.wanted = actions
 
     def step_wait(self):
-        reward, ended = np.zeros(self.num_envs), np.zeros(self.num_envs, dtype=bool)
+        n = self.num_envs
+        ahead, stalled, over = np.zeros(n), np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+        last = np.zeros((n, self.task.size), dtype=np.float32)
         for _ in range(self.repeat):
-            self.base, action = self.task.base.act(self.base, self.seen, self.period_s)
-            action = policy.added(self.task, action, self.wanted).astype(np.float32)
-            observation, value, stalled, _, _ = self.env.step(action)
-            reward, ended = reward + np.where(ended, 0.0, value), ended | stalled
-            last = self._features(observation)
-            if stalled.any():
-                observation = self._again(stalled)
+            observation, reward, standing, _, _ = self.env.step(self._actions())
+            ended = stalled | over
+            ahead += np.where(ended, 0.0, reward[:n] - reward[n:])
+            stalled |= standing[:n] & ~ended
+            over |= standing[n:] & ~standing[:n] & ~ended
+            self._see(self.blurred.step(self._named(observation)))
+            self._again(standing[:n] | standing[n:], last)
         self.age += 1
-        over = (self.age >= self.steps) & ~ended
-        infos = [{} for _ in range(self.num_envs)]
-        for i in np.flatnonzero(over | ended):
+        late = (self.age >= self.steps) & ~stalled & ~over
+        self._again(late, last)
+        over |= late
+        infos = [{} for _ in range(n)]
+        for i in np.flatnonzero(over | stalled):
             infos[i] = {"terminal_observation": last[i], "TimeLimit.truncated": bool(over[i])}
-        now = last
-        if over.any():
-            observation = self._again(over)
-        if (over | ended).any():
-            self.age[over | ended] = 0
-            now = self._features(observation, fresh=over | ended)
-        worth = SCALE * (reward / self.repeat - self.usual)
-        worth -= np.where(ended, STALL, 0.0)
-        return now, worth.astype(np.float32), over | ended, infos
+        self.age[over | stalled] = 0
+        worth = SCALE * ahead / self.repeat - np.where(stalled, STALL, 0.0)
+        return self._features(), worth.astype(np.float32), over | stalled, infos
 
-    def _again(self, mask):
-        return self.env.reset(options={"reset_mask": mask})[0]
+    def _actions(self):
+        """What the policy's tractors do, and the PI's."""
+        mine, others = self._half(0), self._half(1)
+        self.base, action = self.task.base.act(self.base, mine, self.period_s)
+        self.other, other = self.tuned.act(self.other, others, self.period_s)
+        action = policy.added(self.task, action, self.wanted)
+        return np.concatenate([action, other]).astype(np.float32)
 
-    def _features(self, observation, fresh=None):
-        values = dict(zip(self.names, observation.T.astype(float), strict=True))
-        self._lean(values, False if fresh is None else fresh)
-        for name, sd in self.sds.items():
-            values[name] = values[name] + sd * self.noise.standard_normal(self.num_envs)
-        self.seen = values
-        self.slow = policy.smoothed(self.task, self.slow, values, self.period_s)
-        if fresh is not None:
-            self.slow = {n: np.where(fresh, values[n], slow) for n, slow in self.slow.items()}
-            begun = self.task.base.init(self.num_envs)
-            self.base = np.where(fresh, begun, self.base)
-        return policy.features(self.task, values, self.slow)
+    def _again(self, which, last):
+        """New grounds for some pairs, and what was seen last on the old ones."""
+        if which.any():
+            last[which] = self._features()[which]
+            self._begin(which)
 
-    def _lean(self, values, fresh):
-        """Add an episode's biases, drawn anew where one begins."""
-        for name, (mean, sd) in self.biases.items():
-            drawn = mean + sd * self.noise.standard_normal(self.num_envs)
-            self.bias[name] = np.where(fresh, drawn, self.bias.get(name, drawn))
-            values[name] = values[name] + self.bias[name]
+    def _begin(self, which):
+        seeds = [None] * self.num_envs
+        for i in np.flatnonzero(which):
+            seeds[i], self.ground = self.ground, self.ground + 1
+        both = np.tile(which, 2)
+        observation, _ = self.env.reset(seed=seeds * 2, options={"reset_mask": both})
+        self.base = np.where(which, self.task.base.init(self.num_envs), self.base)
+        self.other = np.where(which, self.tuned.init(self.num_envs), self.other)
+        self._see(self.blurred.begin(self._named(observation), both), which)
+
+    def _named(self, observation):
+        return dict(zip(self.names, observation.T.astype(float), strict=True))
+
+    def _half(self, which):
+        part = slice(which * self.num_envs, (which + 1) * self.num_envs)
+        return {name: value[part] for name, value in self.seen.items()}
+
+    def _see(self, seen, fresh=None):
+        self.seen = seen
+        mine = self._half(0)
+        if fresh is None or self.slow is None:
+            self.slow = policy.smoothed(self.task, self.slow, mine, self.period_s)
+        else:
+            self.slow = {n: np.where(fresh, mine[n], slow) for n, slow in self.slow.items()}
+
+    def _features(self):
+        return policy.features(self.task, self._half(0), self.slow)
 
     def close(self):
         self.env.close()
@@ -133,9 +213,8 @@ class Fields(VecEnv):
 class Budget(BaseCallback):
     """Ends training when the time is up; says now and then how it goes."""
 
-    def __init__(self, minutes, usual):
+    def __init__(self, minutes):
         super().__init__()
-        self.usual = usual
         self.seconds, self.told = 60.0 * minutes, 0.0
 
     def _on_training_start(self):
@@ -145,28 +224,27 @@ class Budget(BaseCallback):
         now = time.perf_counter() - self.start
         if now > self.told + 30.0:
             self.told = now
-            lately = [self.usual + e["r"] / e["l"] / SCALE for e in self.model.ep_info_buffer]
-            reward = np.mean(lately) if lately else float("nan")
-            print(
-                f"{now:4.0f} s {self.num_timesteps:8d} decisions, reward {reward:.4f}", flush=True
-            )
+            lately = [e["r"] / e["l"] / SCALE for e in self.model.ep_info_buffer]
+            ahead = np.mean(lately) if lately else float("nan")
+            decisions = self.num_timesteps
+            print(f"{now:4.0f} s {decisions:8d} decisions, {ahead:+.4f} to the PI", flush=True)
         return now < self.seconds
 
 
-def sac(fields, tractors, seed):
+def sac(fields, pairs, seed):
     """Learns from every decision many times: most for the fewest."""
     return SAC(
-        "MlpPolicy", fields, seed=seed, device="cpu", learning_rate=5e-4, gamma=GAMMA,
-        learning_starts=20 * tractors, train_freq=1, gradient_steps=tractors // 2,
+        "MlpPolicy", fields, seed=seed, device="cpu", learning_rate=LinearSchedule(5e-4, 0.0, 1.0),
+        gamma=0.95, learning_starts=20 * pairs, train_freq=1, gradient_steps=pairs // 2,
         ent_coef="auto_0.05", target_entropy=-4.0, policy_kwargs={"net_arch": [64, 64]},
     )  # fmt: skip
 
 
-def ppo(fields, tractors, seed):
+def ppo(fields, pairs, seed):
     """Begins at the PI and moves off it in small steps: where the PI leaves little to gain."""
     return PPO(
         "MlpPolicy", fields, seed=seed, device="cpu", n_steps=32, batch_size=512, n_epochs=10,
-        learning_rate=5e-4, gamma=GAMMA, gae_lambda=0.9, ent_coef=0.0,
+        learning_rate=5e-4, gamma=0.9, gae_lambda=0.9, ent_coef=0.0,
         policy_kwargs={"net_arch": [64, 64], "log_std_init": -1.5},
     )  # fmt: skip
 
@@ -176,17 +254,17 @@ LEARNERS = {"Plough-v0": sac, "WheelSlip-v0": ppo}
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--env", default="Plough-v0", choices=list(USUAL))
+    parser.add_argument("--env", default="Plough-v0", choices=list(BLURS))
     parser.add_argument("--out", default="slip.zip")
-    parser.add_argument("--decisions", type=int, default=80_000)
+    parser.add_argument("--decisions", type=int, default=90_000)
     parser.add_argument("--minutes", type=float, default=9.5, help="ends it before, if it must")
-    parser.add_argument("--tractors", type=int, default=64)
+    parser.add_argument("--pairs", type=int, default=64)
     parser.add_argument("--seed", type=int, default=0)
     asked = parser.parse_args()
     torch.set_num_threads(1)  # small networks: more threads only wait for each other
-    fields = VecMonitor(Fields(asked.env, asked.tractors, steps=100, seed=asked.seed))
-    model = LEARNERS[asked.env](fields, asked.tractors, asked.seed)
-    model.learn(asked.decisions, callback=Budget(asked.minutes, USUAL[asked.env]))
+    fields = VecMonitor(Pairs(asked.env, asked.pairs, steps=100, seed=asked.seed))
+    model = LEARNERS[asked.env](fields, asked.pairs, asked.seed)
+    model.learn(asked.decisions, callback=Budget(asked.minutes))
     model.save(asked.out)
     print(f"saved {asked.out} after {model.num_timesteps} decisions")
 
