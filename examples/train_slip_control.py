@@ -4,9 +4,9 @@
     python examples/train_slip_control.py --env Plough-v0 --out plough.zip
     twin compare-controllers --env Plough-v0 --policy plough.zip
 
-The policy learns what to add to a PI, by what it is ahead of the tuned PI that drives beside it on
-the same ground. Both see the truth of training grounds, blurred as the estimate was there; the
-estimator itself, which is many times slower, the policy meets first on the grounds that compare.
+The policy learns what to add to a PI, by what it is ahead of the tuned PI, which drove over the
+same training grounds before. Both see the truth there, blurred as the estimate was; the estimator
+itself, which is many times slower, the policy meets first on the grounds that compare.
 """
 
 import argparse
@@ -99,31 +99,59 @@ class Blurred:
         return seen
 
 
-class Pairs(VecEnv):
-    """Pairs of tractors on the same ground, one with the policy and one with the tuned PI.
+def named(env, observation):
+    names = [entry.name for entry in env.entries]
+    return dict(zip(names, observation.T.astype(float), strict=True))
+
+
+def periods(env):
+    """Length of a control step, and how many a decision lasts."""
+    period_s = env.episodes.fleet.period_s
+    return period_s, round(policy.DECISION_S / period_s)
+
+
+def earned(env, controller, seeds, blurred, decisions):
+    """Mean reward of a controller on each ground in the time of each decision."""
+    period_s, repeat = periods(env)
+    alive, total = np.ones(env.num_envs, dtype=bool), np.zeros((env.num_envs, decisions))
+    observation, _ = env.reset(seed=seeds)
+    state, seen = controller.init(env.num_envs), blurred.begin(named(env, observation), alive)
+    for step in range(decisions * repeat):
+        state, actions = controller.act(state, seen, period_s)
+        observation, reward, stalled, _, _ = env.step(actions.astype(np.float32))
+        alive &= ~stalled
+        total[:, step // repeat] += np.where(alive, reward, 0.0) / repeat
+        seen = blurred.step(named(env, observation))
+    return total
+
+
+class Grounds(VecEnv):
+    """Tractors on training grounds, rewarded by what they are ahead of the tuned PI there.
 
     A step is one decision of the policy. The ground weighs ten times as heavily on the reward as
-    anything a policy does; it falls out of the difference to the PI's.
+    anything a policy does; it falls out of the difference to what the PI earned on it.
     """
 
-    def __init__(self, name, pairs, steps, seed):
+    def __init__(self, name, tractors, grounds, steps, seed):
         kind, baselines = ENVIRONMENTS[name]
-        self.env = kind(2 * pairs, observation="truth", autoreset_mode="DISABLED")
-        self.task, self.tuned = policy.TASKS[name], baselines["pi"]
-        self.names = [entry.name for entry in self.env.entries]
-        self.period_s = self.env.episodes.fleet.period_s
-        self.repeat = round(policy.DECISION_S / self.period_s)
-        self.steps, self.noise = steps, np.random.default_rng(seed)
-        self.ground = TRAINING + 1000 * seed
-        self.blurred = Blurred(BLURS[name], 2 * pairs, self.noise)
+        self.noise = np.random.default_rng(seed)
+        self.seeds = TRAINING + 1000 * seed + np.arange(grounds)
+        self.steps, self.task = steps, policy.TASKS[name]
+        blurred = Blurred(BLURS[name], grounds, self.noise)
+        before = kind(grounds, observation="truth")
+        self.par = earned(before, baselines["pi"], self.seeds.tolist(), blurred, steps)
+        self.env = kind(tractors, observation="truth", autoreset_mode="DISABLED")
+        self.blurred = Blurred(BLURS[name], tractors, self.noise)
+        self.period_s, self.repeat = periods(self.env)
         seen = Box(-10.0, 10.0, (self.task.size,), np.float32)
-        super().__init__(pairs, seen, Box(-1.0, 1.0, (2,), np.float32))
+        super().__init__(tractors, seen, Box(-1.0, 1.0, (2,), np.float32))
 
     def reset(self):
-        self.age = self.noise.integers(self.steps, size=self.num_envs)  # not all end at once
-        self.base, self.other = (c.init(self.num_envs) for c in (self.task.base, self.tuned))
-        self.slow = None
-        self._begin(np.ones(self.num_envs, dtype=bool))
+        n = self.num_envs
+        self.age, self.on = np.zeros(n, dtype=int), np.zeros(n, dtype=int)
+        self.length = self.noise.integers(1, self.steps + 1, size=n)  # not all end at once
+        self.base, self.slow = self.task.base.init(n), None
+        self._begin(np.ones(n, dtype=bool))
         return self._features()
 
     def step_async(self, actions):
@@ -131,68 +159,51 @@ class Pairs(VecEnv):
 
     def step_wait(self):
         n = self.num_envs
-        ahead, stalled, over = np.zeros(n), np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+        gained, stalled = np.zeros(n), np.zeros(n, dtype=bool)
+        par = self.par[self.on, self.age]
         last = np.zeros((n, self.task.size), dtype=np.float32)
         for _ in range(self.repeat):
-            observation, reward, standing, _, _ = self.env.step(self._actions())
-            ended = stalled | over
-            ahead += np.where(ended, 0.0, reward[:n] - reward[n:])
-            stalled |= standing[:n] & ~ended
-            over |= standing[n:] & ~standing[:n] & ~ended
-            self._see(self.blurred.step(self._named(observation)))
-            self._again(standing[:n] | standing[n:], last)
-        self.age += 1
-        late = (self.age >= self.steps) & ~stalled & ~over
+            self.base, action = self.task.base.act(self.base, self.seen, self.period_s)
+            action = policy.added(self.task, action, self.wanted)
+            observation, reward, stands, _, _ = self.env.step(action.astype(np.float32))
+            gained += np.where(stalled, 0.0, reward) / self.repeat
+            stalled |= stands
+            self._see(self.blurred.step(named(self.env, observation)))
+            self._again(stands, last)
+        self.age += ~stalled
+        late = self.age >= self.length
         self._again(late, last)
-        over |= late
         infos = [{} for _ in range(n)]
-        for i in np.flatnonzero(over | stalled):
-            infos[i] = {"terminal_observation": last[i], "TimeLimit.truncated": bool(over[i])}
-        self.age[over | stalled] = 0
-        worth = SCALE * ahead / self.repeat - np.where(stalled, STALL, 0.0)
-        return self._features(), worth.astype(np.float32), over | stalled, infos
-
-    def _actions(self):
-        """What the policy's tractors do, and the PI's."""
-        mine, others = self._half(0), self._half(1)
-        self.base, action = self.task.base.act(self.base, mine, self.period_s)
-        self.other, other = self.tuned.act(self.other, others, self.period_s)
-        action = policy.added(self.task, action, self.wanted)
-        return np.concatenate([action, other]).astype(np.float32)
+        for i in np.flatnonzero(late | stalled):
+            infos[i] = {"terminal_observation": last[i], "TimeLimit.truncated": bool(late[i])}
+        worth = SCALE * (gained - par) - np.where(stalled, STALL, 0.0)
+        return self._features(), worth.astype(np.float32), late | stalled, infos
 
     def _again(self, which, last):
-        """New grounds for some pairs, and what was seen last on the old ones."""
+        """New grounds for some tractors, and what was seen last on the old ones."""
         if which.any():
             last[which] = self._features()[which]
+            self.length[which] = self.steps
             self._begin(which)
 
     def _begin(self, which):
-        seeds = [None] * self.num_envs
-        for i in np.flatnonzero(which):
-            seeds[i], self.ground = self.ground, self.ground + 1
-        both = np.tile(which, 2)
-        observation, _ = self.env.reset(seed=seeds * 2, options={"reset_mask": both})
+        self.on[which] = self.noise.integers(len(self.seeds), size=which.sum())
+        self.age[which] = 0
+        observation, _ = self.env.reset(
+            seed=self.seeds[self.on].tolist(), options={"reset_mask": which}
+        )
         self.base = np.where(which, self.task.base.init(self.num_envs), self.base)
-        self.other = np.where(which, self.tuned.init(self.num_envs), self.other)
-        self._see(self.blurred.begin(self._named(observation), both), which)
-
-    def _named(self, observation):
-        return dict(zip(self.names, observation.T.astype(float), strict=True))
-
-    def _half(self, which):
-        part = slice(which * self.num_envs, (which + 1) * self.num_envs)
-        return {name: value[part] for name, value in self.seen.items()}
+        self._see(self.blurred.begin(named(self.env, observation), which), which)
 
     def _see(self, seen, fresh=None):
         self.seen = seen
-        mine = self._half(0)
         if fresh is None or self.slow is None:
-            self.slow = policy.smoothed(self.task, self.slow, mine, self.period_s)
+            self.slow = policy.smoothed(self.task, self.slow, seen, self.period_s)
         else:
-            self.slow = {n: np.where(fresh, mine[n], slow) for n, slow in self.slow.items()}
+            self.slow = {n: np.where(fresh, seen[n], slow) for n, slow in self.slow.items()}
 
     def _features(self):
-        return policy.features(self.task, self._half(0), self.slow)
+        return policy.features(self.task, self.seen, self.slow)
 
     def close(self):
         self.env.close()
@@ -231,19 +242,20 @@ class Budget(BaseCallback):
         return now < self.seconds
 
 
-def sac(fields, pairs, seed):
+def sac(fields, seed):
     """Learns from every decision many times: most for the fewest."""
     return SAC(
-        "MlpPolicy", fields, seed=seed, device="cpu", learning_rate=LinearSchedule(5e-4, 0.0, 1.0),
-        gamma=0.95, learning_starts=20 * pairs, train_freq=1, gradient_steps=pairs // 2,
+        "MlpPolicy", fields, seed=seed, device="cpu", learning_rate=LinearSchedule(5e-4, 1e-4, 1.0),
+        gamma=0.95, learning_starts=20 * fields.num_envs, train_freq=1,
+        gradient_steps=fields.num_envs // 2,
         ent_coef="auto_0.05", target_entropy=-4.0, policy_kwargs={"net_arch": [64, 64]},
     )  # fmt: skip
 
 
-def ppo(fields, pairs, seed):
+def ppo(fields, seed):
     """Begins at the PI and moves off it in small steps: where the PI leaves little to gain."""
     return PPO(
-        "MlpPolicy", fields, seed=seed, device="cpu", n_steps=32, batch_size=512, n_epochs=10,
+        "MlpPolicy", fields, seed=seed, device="cpu", n_steps=16, batch_size=512, n_epochs=10,
         learning_rate=5e-4, gamma=0.9, gae_lambda=0.9, ent_coef=0.0,
         policy_kwargs={"net_arch": [64, 64], "log_std_init": -1.5},
     )  # fmt: skip
@@ -258,12 +270,13 @@ def main():
     parser.add_argument("--out", default="slip.zip")
     parser.add_argument("--decisions", type=int, default=90_000)
     parser.add_argument("--minutes", type=float, default=9.5, help="ends it before, if it must")
-    parser.add_argument("--pairs", type=int, default=64)
+    parser.add_argument("--tractors", type=int, default=128)
+    parser.add_argument("--grounds", type=int, default=256)
     parser.add_argument("--seed", type=int, default=0)
     asked = parser.parse_args()
     torch.set_num_threads(1)  # small networks: more threads only wait for each other
-    fields = VecMonitor(Pairs(asked.env, asked.pairs, steps=100, seed=asked.seed))
-    model = LEARNERS[asked.env](fields, asked.pairs, asked.seed)
+    grounds = Grounds(asked.env, asked.tractors, asked.grounds, steps=100, seed=asked.seed)
+    model = LEARNERS[asked.env](VecMonitor(grounds), asked.seed)
     model.learn(asked.decisions, callback=Budget(asked.minutes))
     model.save(asked.out)
     print(f"saved {asked.out} after {model.num_timesteps} decisions")
