@@ -255,8 +255,8 @@ def sac(fields, seed):
 def ppo(fields, seed):
     """Begins at the PI and moves off it in small steps: where the PI leaves little to gain."""
     return PPO(
-        "MlpPolicy", fields, seed=seed, device="cpu", n_steps=16, batch_size=512, n_epochs=10,
-        learning_rate=5e-4, gamma=0.9, gae_lambda=0.9, ent_coef=0.0,
+        "MlpPolicy", fields, seed=seed, device="cpu", n_steps=32, batch_size=512, n_epochs=10,
+        learning_rate=LinearSchedule(5e-4, 1e-4, 1.0), gamma=0.9, gae_lambda=0.9, ent_coef=0.0,
         policy_kwargs={"net_arch": [64, 64], "log_std_init": -1.5},
     )  # fmt: skip
 

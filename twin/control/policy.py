@@ -89,7 +89,7 @@ TASKS = {
     "Plough-v0": Task(CALM, (0.6, 0.5), plough_features, 11, ("slip",)),
     "WheelSlip-v0": Task(
         TORQUE_BASELINES["pi"],
-        (0.25, 0.25),
+        (0.1, 0.1),
         torque_features,
         9,
         ("slip_rl", "slip_rr"),
