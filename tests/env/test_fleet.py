@@ -95,9 +95,12 @@ def test_a_part_put_back_leaves_the_others(machine, begin):
     assert fleet.batch.state[1].tobytes() != other.batch.state[1].tobytes()
 
 
-def test_a_reset_patches_the_block_as_a_build_would_write_it(machine, begin):
+@pytest.mark.parametrize(
+    "soil", [{}, {"soil.preset": "lete-sand", "soil.cone_index_kpa": 800.0, "soil.friction": 0.6}]
+)
+def test_a_reset_patches_the_block_as_a_build_would_write_it(machine, begin, soil):
     """Whatever is drawn, but for the origin, which no scenario has."""
-    options = {
+    options = soil | {
         "field.cross_slope_deg": 4.0,
         "field.grade_deg": -2.0,
         "field.furrow_depth_m": 0.25,

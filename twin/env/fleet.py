@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import mujoco
@@ -24,8 +25,9 @@ from twin.machine.simulate import CONTROLS, DECISION_S
 from twin.machine.start import Diverged
 from twin.machine.trajectory import Trajectory
 from twin.physics import block
-from twin.physics.block import Field, Wheel
+from twin.physics.block import Field, Soil, Wheel
 from twin.scenario import Course
+from twin.scenario import Soil as Setting
 from twin.soils import PRESETS
 from twin.streams import WHEELS
 
@@ -35,6 +37,12 @@ RAISED_M = -0.10
 """Depth set point at which the plough is carried: the shares this much above the ground [m]."""
 DEEPEST_M = 0.35
 """Deepest depth set point [m]."""
+OWN = {
+    "friction": block.SOIL + Soil.FRICTION,
+    "cone_index_kpa": block.SOIL + Soil.CONE_INDEX_KPA,
+    "draft_scale": block.SOIL + Soil.DRAFT_SCALE,
+}
+"""Where the block has a ground's own numbers of its soil."""
 SLOWEST_RPM, FASTEST_RPM = 900.0, 2376.0
 """No-load engine speeds between which the throttle sets the governor [rpm]."""
 
@@ -150,10 +158,12 @@ class Fleet:
             self.state[i] = start.state
             self.lay(i, start.axes, ground.lie.furrow_depth_m)
             numbers = self.blocks[i]
-            for name, value in soil_part(ground.soil).items():
-                numbers[block.SOIL + name] = value
+            slots, values = _soil(ground.preset)
+            numbers[slots] = values
+            for name, value in ground.own.items():
+                numbers[OWN[name]] = value
             for at in self.front_grip:
-                numbers[at] = self.front_ratio * PRESETS[ground.soil.preset].front_grip
+                numbers[at] = self.front_ratio * PRESETS[ground.preset].front_grip
             for name, value in _place(ground, start.along_m).items():
                 numbers[block.FIELD + name] = value
             self.steer_rad[i], self.lift_rad[i] = start.steer_rad, start.lift_rad
@@ -237,6 +247,13 @@ class Fleet:
         levers = {"steer_left": left, "steer_right": right} | self.levers(actions)
         for name, value in levers.items():
             self.ctrl[:, self.controls[name]] = value
+
+
+@cache
+def _soil(preset: str) -> tuple[Array, Array]:
+    """Which of the block's numbers a preset sets, and to what; a reset then builds no soil."""
+    part = soil_part(Setting(preset=preset, cone_index_kpa=1000.0))  # the ground's own comes after
+    return block.SOIL + np.array(list(part)), np.array(list(part.values()))
 
 
 def _place(ground: Ground, start_m: float) -> dict[Any, float]:

@@ -80,7 +80,10 @@ class Lie:
 class Ground:
     """What is drawn for one episode."""
 
-    soil: Soil
+    preset: str
+    """The soil's."""
+    own: Mapping[str, float]
+    """The soil's own numbers, those of `SPREAD`."""
     lie: Lie
     patches: tuple[Patch, ...]
     """Stretches of other soil, `start_m` ahead of the rear axle at the start."""
@@ -91,11 +94,16 @@ class Ground:
     noise_seed: int
     """Seed of the sensors' errors."""
 
+    @property
+    def soil(self) -> Soil:
+        """The soil as a scenario has it."""
+        return Soil(preset=self.preset, **self.own)
+
     def info(self, recipe: Recipe = PLOUGHED) -> dict[str, Any]:
         """The ground by the names of the recipe's options."""
         known = {
-            "soil.preset": self.soil.preset,
-            **{f"soil.{name}": getattr(self.soil, name) for name in SPREAD},
+            "soil.preset": self.preset,
+            **{f"soil.{name}": value for name, value in self.own.items()},
             **{f"field.{name}": getattr(self.lie, name) for name in LIE},
             "field.patches": tuple(
                 (p.start_m, p.length_m, p.friction_factor, p.cone_index_factor)
@@ -167,11 +175,11 @@ def draw(
     """
     kind = recipe.presets[int(generator.integers(len(recipe.presets)))]
     preset = str(options.get("soil.preset", kind))
-    numbers: dict[str, Any] = {}
+    own_soil: dict[str, float] = {}
     shares = generator.random(len(SPREAD)).tolist()
     for (name, within), share in zip(SPREAD.items(), shares, strict=True):
         drawn = getattr(PRESETS[preset], name) * _between(within, share)
-        numbers[name] = options.get(f"soil.{name}", drawn)
+        own_soil[name] = options.get(f"soil.{name}", drawn)
     pattern_seed, noise_seed = generator.integers(2**31, size=2).tolist()
     lie = choices[int(generator.integers(len(choices)))]
     own = {name: value for name, value in _part(options, "field.").items() if name in LIE}
@@ -182,7 +190,8 @@ def draw(
         _between((-FARTHEST_M, FARTHEST_M), left),
     )
     return Ground(
-        soil=Soil(preset=preset, **numbers),
+        preset=preset,
+        own=own_soil,
         lie=replace(lie, **own) if own else lie,
         patches=options.get("field.patches", patches),
         origin_m=options.get("field.origin_m", origin_m),

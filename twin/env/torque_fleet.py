@@ -77,7 +77,7 @@ class TorqueFleet(Fleet):
     ) -> None:
         """As a fleet's, and the draft as large as the soil makes it."""
         super().restore(ids, starts, grounds)
-        self.draft_scale[ids] = [ground.soil.resolved.draft_scale for ground in grounds]
+        self.draft_scale[ids] = [ground.own["draft_scale"] for ground in grounds]
         self.torques[ids] = [start.action for start in starts]
         self.draft[ids] = self._draft()[ids]
 
