@@ -82,7 +82,7 @@ class Ground:
 
     preset: str
     """The soil's."""
-    own: Mapping[str, float]
+    own: Mapping[str, Any]
     """The soil's own numbers, those of `SPREAD`."""
     lie: Lie
     patches: tuple[Patch, ...]
