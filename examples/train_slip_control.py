@@ -100,6 +100,7 @@ class Blurred:
 
 
 def named(env, observation):
+    """Observations of many tractors by their entries' names."""
     names = [entry.name for entry in env.entries]
     return dict(zip(names, observation.T.astype(float), strict=True))
 

@@ -12,7 +12,7 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from twin.env.grounds import Ground, Lie
+from twin.env.grounds import SPREAD, Ground, Lie
 from twin.env.quantities import Ids, ahead_w, dot, powers, true
 from twin.errors import BadInput
 from twin.machine.build import Machine
@@ -37,11 +37,7 @@ RAISED_M = -0.10
 """Depth set point at which the plough is carried: the shares this much above the ground [m]."""
 DEEPEST_M = 0.35
 """Deepest depth set point [m]."""
-OWN = {
-    "friction": block.SOIL + Soil.FRICTION,
-    "cone_index_kpa": block.SOIL + Soil.CONE_INDEX_KPA,
-    "draft_scale": block.SOIL + Soil.DRAFT_SCALE,
-}
+OWN = {name: block.SOIL + Soil[name.upper()] for name in SPREAD}
 """Where the block has a ground's own numbers of its soil."""
 SLOWEST_RPM, FASTEST_RPM = 900.0, 2376.0
 """No-load engine speeds between which the throttle sets the governor [rpm]."""
