@@ -41,6 +41,7 @@ def wheel():
             Wheel.RELAXATION_LAT_M: 0.7,
             Wheel.LATERAL_RATIO: 0.85,
             Wheel.SHEAR_DAMPING_S: 0.2,
+            Wheel.NOMINAL_LOAD_N: 21.7e3,
         },
     )
 
@@ -93,6 +94,7 @@ def plough():
             Plough.WHEEL_STIFFNESS_NPM: 120e3,
             Plough.WHEEL_DAMPING_NSPM: 4000.0,
             Plough.WHEEL_RESISTANCE_RATIO: 0.1,
+            Plough.SOIL_STIFFNESS_NPM: 500e3,
         },
     )
 

@@ -11,9 +11,17 @@ from scipy.stats import binom
 
 from tests.physics.blocks import level, plough, soil
 from twin.physics.block import Plough
-from twin.physics.plough import depth_wheel_force, draft_factor, draft_n, rock_n, share_force
+from twin.physics.plough import (
+    depth_wheel_force,
+    draft_factor,
+    draft_n,
+    rock_n,
+    share_force,
+    soil_before,
+)
 
-UP, LEFT, RIGHT = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)
+UP = (0.0, 0.0, 1.0)
+STIFFNESS_NPM = 500e3
 DRAFT_N, SIDE_N = 6e3, 0.25 * 6e3
 
 
@@ -34,57 +42,81 @@ def test_draft_is_the_closed_form():
     assert d == pytest.approx(0.85 * (652.0 + 5.1 * (3.6 * 1.5) ** 2) * 0.35 * 25.0)
 
 
-@pytest.mark.parametrize("land", [LEFT, RIGHT])
-def test_a_share_is_pulled_back_and_down_by_the_ratios_and_its_side_force_is_borne(land):
+def steady(velocity, draft=DRAFT_N, dt_s=0.002):
+    """How far the soil is pressed after a metre at a velocity ahead and towards the land."""
+    pressed = (0.0, 0.0)
+    for _ in range(round(1.0 / math.hypot(*velocity) / dt_s)):
+        pressed = soil_before(STIFFNESS_NPM, draft, pressed, velocity, dt_s)
+    return pressed
+
+
+def force_of(velocity, draft=DRAFT_N):
+    return share_force(plough(), draft, steady(velocity, draft), (*velocity, 0.0))
+
+
+def test_a_share_is_pulled_back_and_down_by_the_ratios_and_its_side_force_is_borne():
     """Without drift the landside takes all of the mould-board's side force."""
-    force, landside = share_force(plough(), DRAFT_N, (1.5, 0.0, 0.0), UP, land)
+    force, landside = force_of((1.5, 0.0))
     assert force == pytest.approx((-DRAFT_N, 0.0, -0.2 * DRAFT_N), rel=1e-3, abs=1e-9)
     assert landside == pytest.approx(SIDE_N, rel=1e-3)
 
 
+@pytest.mark.parametrize("dt_s", [0.0005, 0.002])
+def test_the_draft_is_reached_over_the_way_in_which_the_soil_fails(dt_s):
+    """63 % of it after D / k, 12 mm, at any speed and step; a standing plough keeps its force."""
+    for speed in (0.02, 0.2, 1.5):
+        steps = round(DRAFT_N / STIFFNESS_NPM / speed / dt_s)
+        if steps < 3:
+            continue
+        pressed = (0.0, 0.0)
+        for _ in range(steps):
+            pressed = soil_before(STIFFNESS_NPM, DRAFT_N, pressed, (speed, 0.0), dt_s)
+        share = STIFFNESS_NPM * pressed[0] / DRAFT_N
+        assert share == pytest.approx(1.0 - math.exp(-1.0), rel=2.0 / steps)
+        assert soil_before(STIFFNESS_NPM, DRAFT_N, pressed, (0.0, 0.0), dt_s) == pressed
+
+
+@given(*(st.floats(-3.0, 3.0),) * 2, *(st.floats(-0.03, 0.03),) * 2, st.floats(1e-3, 2e4))
+def test_pressed_soil_returns_no_more_than_it_was_given(ahead, aside, x, y, draft):
+    """k x . v >= d(k x**2 / 2)/dt at the step's end, whatever it was pressed before."""
+    after = soil_before(STIFFNESS_NPM, draft, (x, y), (ahead, aside), 0.002)
+    given_j = STIFFNESS_NPM * 0.002 * (after[0] * ahead + after[1] * aside)
+    held_j = 0.5 * STIFFNESS_NPM * (np.square(after).sum() - x * x - y * y)
+    assert given_j >= held_j - 1e-9 * max(1.0, abs(held_j))
+
+
 def test_soil_forces_oppose_motion_in_every_direction():
-    """Draft outweighs what drift the mould-board's side force may still do work on."""
+    """Sinking and rising too: the share draws itself down no faster than it goes ahead."""
     rng = np.random.default_rng(0)
-    for _ in range(200):
-        velocity = np.append(rng.normal(size=2), 0.0)
-        force, _ = share_force(plough(), DRAFT_N, tuple(velocity), UP, LEFT)
-        assert np.dot(force, velocity) < 0.0
+    for _ in range(300):
+        velocity = rng.normal(size=3) * (1.0, 1.0, 3.0)
+        force, _ = share_force(plough(), DRAFT_N, steady(tuple(velocity[:2])), tuple(velocity))
+        assert np.dot(force, velocity) <= 0.0
 
 
 @given(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))
-def test_the_landside_pushes_within_its_range_and_is_mirrored_on_the_other_side(ahead, aside):
-    force, landside = share_force(plough(), DRAFT_N, (ahead, aside, 0.0), UP, LEFT)
-    mirrored, same = share_force(plough(), DRAFT_N, (ahead, -aside, 0.0), UP, RIGHT)
-    assert mirrored == pytest.approx((force[0], -force[1], force[2]), abs=1e-6)
-    assert same == landside
-    assert 0.0 <= landside <= 3.0 * SIDE_N
+def test_the_landside_pushes_within_its_range(ahead, aside):
+    if math.hypot(ahead, aside) > 0.01:
+        _, landside = force_of((ahead, aside))
+        assert 0.0 <= landside <= 3.0 * SIDE_N * (1.0 + 1e-9)
 
 
 def test_the_side_force_is_balanced_by_the_landside_and_restores():
     """Sideways there is S towards the land less N, and draft's own part; N doubles in 0.03 rad."""
     for drift in (-0.1, -0.03, -0.015, 0.0, 0.015, 0.03, 0.06, 0.2):
-        velocity = (1.5 * math.cos(drift), 1.5 * math.sin(drift), 0.0)
-        force, landside = share_force(plough(), DRAFT_N, velocity, UP, LEFT)
+        force, landside = force_of((1.5 * math.cos(drift), 1.5 * math.sin(drift)))
+        side = SIDE_N * math.cos(drift)
         sideways = force[1] + DRAFT_N * math.sin(drift)
-        assert sideways == pytest.approx(SIDE_N - landside, rel=1e-3, abs=4.0)
-        expected = SIDE_N * min(3.0, max(0.0, 1.0 + math.sin(drift) / 0.03))
+        assert sideways == pytest.approx(side - landside, rel=1e-3, abs=4.0)
+        expected = side * min(3.0, max(0.0, 1.0 + math.sin(drift) / 0.03))
         assert landside == pytest.approx(expected, rel=1e-3, abs=1e-9)
         assert sideways * drift <= 0.0
 
 
-def test_a_standing_plough_is_not_pulled_at_all():
-    force, landside = share_force(plough(), DRAFT_N, (0.0, 0.0, 0.0), UP, LEFT)
-    assert force == (0.0, 0.0, 0.0)
+def test_a_plough_that_has_not_moved_is_not_pulled_at_all():
+    force, landside = share_force(plough(), DRAFT_N, (0.0, 0.0), (0.0, 0.0, 0.0))
+    assert np.all(np.array(force) == 0.0)
     assert landside == 0.0
-
-
-def test_a_standing_landside_is_no_stiff_damper():
-    """Its slope at rest times 2 ms is far below the mass on it, or it would chatter."""
-    aside = 1e-4
-    still, _ = share_force(plough(), DRAFT_N, (0.0, 0.0, 0.0), UP, LEFT)
-    moved, _ = share_force(plough(), DRAFT_N, (0.0, aside, 0.0), UP, LEFT)
-    damping_nspm = 4.0 * abs(moved[1] - still[1]) / aside
-    assert damping_nspm * 0.002 < 0.8 * 1470.0
 
 
 def factors(ground, field, s_m, t_m=0.0, depth_m=0.25):
@@ -170,14 +202,14 @@ def test_rocks_are_as_many_as_their_density_says():
     assert np.var(counts) == pytest.approx(expected.var(), rel=0.6)
 
 
-def test_the_depth_wheel_is_a_spring_and_drags_a_tenth_of_its_load():
-    p = plough()
-    spring, drag, load = depth_wheel_force(p, 0.25, (1.5, 0.0, 0.0), UP)
-    assert load == pytest.approx(0.05 * p[Plough.WHEEL_STIFFNESS_NPM])
-    assert spring == (0.0, 0.0, load)
+def test_the_depth_wheel_damps_its_spring_and_drags_a_tenth_of_its_load():
+    p, spring = plough(), (0.0, 0.0, 6e3)
+    pressing, drag, load = depth_wheel_force(p, spring, (1.5, 0.0, 0.0), UP)
+    assert load == 6e3
+    assert pressing == (0.0, 0.0, load)
     assert drag == pytest.approx((-0.1 * load, 0.0, 0.0), rel=1e-3)
-    sinking = depth_wheel_force(p, 0.25, (1.5, 0.0, -0.1), UP)[2]
+    sinking = depth_wheel_force(p, spring, (1.5, 0.0, -0.1), UP)[2]
     assert sinking - load == pytest.approx(0.1 * p[Plough.WHEEL_DAMPING_NSPM])
-    lifted = depth_wheel_force(p, 0.31, (1.5, 0.0, 0.0), UP)
-    leaving = depth_wheel_force(p, 0.29, (1.5, 0.0, 1.0), UP)
+    lifted = depth_wheel_force(p, (0.0, 0.0, 0.0), (1.5, 0.0, 0.0), UP)
+    leaving = depth_wheel_force(p, (0.0, 0.0, 1.2e3), (1.5, 0.0, 1.0), UP)
     assert lifted == ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0) == leaving

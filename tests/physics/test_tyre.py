@@ -11,7 +11,8 @@ from scipy.spatial.transform import Rotation
 from tests.physics.blocks import NO_NODES, furrowed, level, soil, wheel
 from twin.physics.block import PowerSlot, Soil, WheelSlot
 from twin.physics.brixius import brixius
-from twin.physics.tyre import SLICE_M, contact_shift_m, relaxed_shear, roll_wheel, wall_force
+from twin.physics.furrow_wall import SLICE_M, wall_force
+from twin.physics.tyre import relaxed_shear, roll_wheel
 
 W, DT_S = 21.7e3, 0.002
 
@@ -20,7 +21,7 @@ def settle(spin, roll, side, *, u=(0.0, 0.0), duration_s=20.0):
     """Forces over time of a tyre at constant speeds, deflections integrated as MuJoCo does."""
     forces = []
     for _ in range(round(duration_s / DT_S)):
-        x, y, *_, rate_x, rate_y = relaxed_shear(
+        x, y, *_, rate_x, rate_y, _ = relaxed_shear(
             soil(), wheel(), W, spin, roll, side, u[0], u[1], DT_S
         )
         u = (u[0] + DT_S * rate_x, u[1] + DT_S * rate_y)
@@ -47,7 +48,16 @@ def test_the_force_builds_up_over_the_relaxation_length():
     # 1 - 1/e of the law's force, and of the damper, 0.2 s of load, what is still to come: 1/e
     stiffness = 7.5 * 0.88 * (1.0 - math.exp(-0.1 * 42.0))
     built = 1.0 - math.exp(-1.0) + 0.2 / stiffness / 0.2 * math.exp(-1.0)
-    assert forces[at, 0] / forces[-1, 0] == pytest.approx(built, rel=0.01)
+    assert forces[at, 0] / forces[-1, 0] == pytest.approx(built, rel=0.02)
+
+
+def test_the_way_to_a_new_force_is_shorter_where_the_tyre_slides():
+    """A locked wheel has its whole force after N mu / K, 2 cm, not after the relaxation length."""
+    forces, _ = settle(0.0, 1.0, 0.0)
+    way = np.arange(len(forces)) * DT_S
+    built = way[np.argmax(-forces[:, 0] > 0.95 * 0.88 * W * (1.0 - math.exp(-4.2)))]
+    spring_npm = 6.5 * W / 0.2
+    assert built < 3.0 * 0.88 * W / spring_npm < 0.1
 
 
 def test_a_standing_wheel_is_a_spring():
@@ -78,7 +88,7 @@ def test_pushing_a_standing_wheel_to_and_fro_creates_no_energy():
         u, work = (0.0, 0.0), 0.0
         for k in range(4000):
             side = amplitude_m * math.pi * math.cos(math.pi * k * DT_S)  # of 2 s, twice and twice
-            _, y, *_, rate_x, rate_y = relaxed_shear(
+            _, y, *_, rate_x, rate_y, _ = relaxed_shear(
                 soil(), wheel(), W, 0.0, 0.0, side, u[0], u[1], DT_S
             )
             u = (u[0] + DT_S * rate_x, u[1] + DT_S * rate_y)
@@ -86,71 +96,100 @@ def test_pushing_a_standing_wheel_to_and_fro_creates_no_energy():
         assert work < 0.0
 
 
+@given(*(st.floats(-3.0, 3.0),) * 3, *(st.floats(-0.2, 0.2),) * 2, st.floats(1e3, 3e4))
+def test_a_tyre_returns_no_more_than_it_was_given(spin, roll, side, u_x, u_y, load):
+    """F . v >= d(K u**2 / 2)/dt, also where the load is another than when it was deflected."""
+    x, y, *_, rate_x, rate_y, before = relaxed_shear(
+        soil(), wheel(), load, spin, roll, side, u_x, u_y, DT_S
+    )
+    u_x, u_y = u_x + DT_S * rate_x, u_y + DT_S * rate_y
+    after = relaxed_shear(soil(), wheel(), load, spin, roll, side, u_x, u_y, DT_S)[-1]
+    k_x = 6.5 * 21.7e3 / 0.2
+    k_y = 6.5 * 21.7e3 * 0.85 / 0.7
+    sprung = np.array([k_x * u_x, k_y * u_y])  # at the step's end, without the damper
+    assert DT_S * sprung @ [spin - roll, -side] >= after - before - 1e-6
+    damped = np.array([x, y]) - sprung
+    if math.hypot(x, y) < 0.88 * load * 0.999:  # within the friction the damper takes too
+        assert damped @ [rate_x, rate_y] >= -1e-9
+
+
 FURROWED = furrowed(1.0)
 TOUCHING_M = 0.65 + 0.5 * 0.467
 """|t| of a wheel whose flank just touches the wall."""
+SLICE_TOUCHED_M = 0.65 + 0.5 - 0.5 * 0.467
+STILL = (0.0, 0.0, 0.0)
+
+
+def wall(field, place, *, speed=0.0, depth=0.25):
+    """Sideways push on an upright wheel beside the line, which moves to the left."""
+    hub = (20.0, place, 0.8)
+    force, *_ = wall_force(field, wheel(), hub, (0.0, 1.0, 0.0), (0.0, speed, 0.0), STILL, depth)
+    assert force[0] == force[2] == 0.0
+    return force[1]
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_the_wall_pushes_into_the_furrow_by_its_spring_and_damper(side):
     """k depth * penetration - c depth * speed away from it, at 0.25 m of wall; mirrored."""
     field = furrowed(side)
-    pushed = wall_force(field, wheel(), 20.0, side * (TOUCHING_M - 0.01), 0.0)
+    pushed = wall(field, side * (TOUCHING_M - 0.01))
     assert pushed == pytest.approx(side * 400e3 * 0.25 * 0.01)
-    hit = wall_force(field, wheel(), 20.0, side * (TOUCHING_M - 0.01), -side * 0.05)
+    hit = wall(field, side * (TOUCHING_M - 0.01), speed=-side * 0.05)
     assert hit - pushed == pytest.approx(side * 20e3 * 0.25 * 0.05)
-    # on the ramp half the depth, half the wall
-    half = wall_force(field, wheel(), 11.5, side * (TOUCHING_M - 0.1), 0.0)
+    half = wall(field, side * (TOUCHING_M - 0.1), depth=0.125)
     assert half == pytest.approx(side * 400e3 * 0.125 * 0.1)
-    slice_m = 0.65 + 0.5 - 0.5 * 0.467
-    back = wall_force(field, wheel(), 20.0, side * (slice_m + 0.02), 0.0)
+    back = wall(field, side * (SLICE_TOUCHED_M + 0.02))
     assert back == pytest.approx(-side * 400e3 * 0.25 * 0.02)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
-@given(st.floats(-2.0, 2.0), st.floats(-1.0, 1.0), st.floats(5.0, 20.0))
-def test_the_wall_never_pulls_and_acts_only_where_it_is_touched(side, place, speed, s):
-    force = wall_force(furrowed(side), wheel(), s, side * place, speed)
-    slice_m = 0.65 + 0.5 - 0.5 * 0.467
-    if s <= 10.0 or place <= 0.65 or TOUCHING_M <= place <= slice_m:
+@given(st.floats(0.0, 2.0), st.floats(-1.0, 1.0))
+def test_the_wall_never_pulls_and_acts_only_where_it_is_touched(side, place, speed):
+    force = wall(furrowed(side), side * place, speed=speed)
+    if TOUCHING_M <= place <= SLICE_TOUCHED_M:
         assert force == 0.0
     elif place < TOUCHING_M:
         assert side * force >= 0.0
     else:
         assert side * force <= 0.0
+    assert wall(furrowed(side), side * place, speed=speed, depth=0.0) == 0.0
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_the_turned_slice_gives_way_and_is_behind_a_tyre_far_from_the_furrow(side):
     """Its push is greatest at SLICE_M, gone at twice that, and the crossing costs k SLICE_M**2."""
-    field, slice_m = furrowed(side), 0.65 + 0.5 - 0.5 * 0.467
+    field = furrowed(side)
     pressed = np.linspace(0.0, 3.0, 3001)
-    places = side * (slice_m + pressed)
-    push = np.array([-side * wall_force(field, wheel(), 20.0, t, 0.0) for t in places])
+    push = np.array([-side * wall(field, side * (SLICE_TOUCHED_M + p)) for p in pressed])
     assert pressed[push.argmax()] == pytest.approx(SLICE_M)
     assert np.all(push[pressed > 2.0 * SLICE_M] == 0.0)
     assert np.trapezoid(push, pressed) == pytest.approx(400e3 * 0.25 * SLICE_M**2, rel=1e-3)
 
 
-def test_without_a_furrow_there_is_no_wall():
-    for t in np.linspace(-1.5, 1.5, 31):
-        assert wall_force(level(), wheel(), 20.0, t, -0.3) == 0.0
+def test_the_walls_push_is_the_gradient_of_its_energy():
+    """For a leaning, steered wheel, moved and turned along and about every axis; and with depth."""
+    field, one = furrowed(1.0, pass_t_m=0.1), wheel()
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        place = np.array([20.0, 0.1 + rng.uniform(0.7, 1.2), 0.55])
+        turn = Rotation.from_rotvec(rng.normal(size=3) * (0.1, 0.0, 0.2))
 
+        def energy(shift, about, depth, place=place, turn=turn):
+            axle = (Rotation.from_rotvec(about) * turn).apply([0.0, 1.0, 0.0])
+            hub = tuple(place + shift)
+            return wall_force(field, one, hub, tuple(axle), STILL, STILL, depth)[2]
 
-@pytest.mark.parametrize("tangent", [0.0, 0.05, -0.1, 0.14])
-def test_the_load_of_a_leaning_tyre_has_the_centre_of_its_pressure(tangent):
-    """Deflections across the tread, delta - x tan(gamma), as pressures on a fine grid."""
-    deflection_m, width_m = 0.06, 0.467
-    x = (np.arange(20_000) + 0.5) / 20_000 * width_m - 0.5 * width_m
-    pressure = deflection_m - x * tangent
-    assert pressure.min() > 0.0
-    centre_m = (x @ pressure) / pressure.sum()
-    assert contact_shift_m(wheel(), tangent, deflection_m) == pytest.approx(centre_m, abs=1e-7)
-
-
-def test_the_load_stays_within_a_quarter_of_the_tread():
-    assert contact_shift_m(wheel(), 1.0, 0.01) == -0.25 * 0.467
-    assert contact_shift_m(wheel(), -1.0, 0.01) == 0.25 * 0.467
+        axle = turn.apply([0.0, 1.0, 0.0])
+        force, moment, _, growth, _ = wall_force(
+            field, one, tuple(place), tuple(axle), STILL, STILL, 0.25
+        )
+        still, e = np.zeros(3), 1e-6
+        by_shift = [(energy(-e * d, still, 0.25) - energy(e * d, still, 0.25)) for d in np.eye(3)]
+        by_turn = [(energy(still, -e * d, 0.25) - energy(still, e * d, 0.25)) for d in np.eye(3)]
+        assert force == pytest.approx(np.array(by_shift) / (2 * e), abs=0.5)
+        assert moment == pytest.approx(np.array(by_turn) / (2 * e), abs=0.5)
+        by_depth = energy(still, still, 0.25 + e) - energy(still, still, 0.25 - e)
+        assert growth == pytest.approx(by_depth / (2 * e), abs=0.5)
 
 
 def on_ground(field, *, hub=(20.0, 0.0, 0.8175), lean_rad=0.0, velocity=(0.0, 0.0, 0.0), rate=0.0):
@@ -187,17 +226,38 @@ def test_an_upright_standing_wheel_is_a_spring():
 
 @pytest.mark.parametrize("lean_rad", [0.02, -0.14])
 def test_the_roll_moment_of_a_leaning_wheel_by_hand(lean_rad):
-    """Its load acts where the wheel's plane meets the ground, shifted to the lower side."""
-    height_m = 0.8175
+    """Its load acts at the lowest point of the tread, shifted to the lower side."""
+    height_m, radius_m = 0.8175, 0.5 * 1.755
     force, torque, slots, _ = on_ground(level(), lean_rad=lean_rad)
-    loaded_m = height_m / math.cos(lean_rad)
-    deflection_m = 0.5 * 1.755 - loaded_m
-    load = 383e3 * deflection_m
+    overlap_m = radius_m * math.cos(lean_rad) - height_m
+    load = 383e3 * overlap_m
     assert slots[WheelSlot.LOAD_N] == pytest.approx(load)
     assert force == pytest.approx([0.0, 0.0, load], abs=1e-6)
-    shift_m = -math.tan(lean_rad) * 0.467**2 / (12.0 * deflection_m)
-    aside_m = loaded_m * math.sin(lean_rad) + shift_m * math.cos(lean_rad)
-    assert torque == pytest.approx([aside_m * load, 0.0, 0.0], abs=1e-6)
+    # the centre of a pressure that grows in proportion to the tread's depth in the ground
+    x = (np.arange(20_000) + 0.5) / 20_000 * 0.467 - 0.5 * 0.467
+    pressure = overlap_m - x * math.sin(lean_rad)
+    assert pressure.min() > 0.0
+    shift_m = (x @ pressure) / pressure.sum()
+    aside_m = radius_m * math.sin(lean_rad) + shift_m * math.cos(lean_rad)
+    assert torque == pytest.approx([aside_m * load, 0.0, 0.0], abs=1e-3)
+
+
+def test_the_lateral_slip_is_that_of_the_tread():
+    """A hub at rest that rolls about the way ahead: du_y/dt = -rate x loaded radius."""
+    one, moving, rates = wheel(), np.zeros((1, 6)), np.zeros(3)
+    moving[0, :3] = [0.1, 1.5 / 0.829, 0.0]
+    hub, none = np.array([[20.0, 0.0, 0.8175]]), np.zeros(3)
+    roll_wheel(
+        level(), soil(), one, hub, np.eye(3).reshape(1, 9), moving, hub, 0, none, DT_S,
+        np.zeros(WheelSlot.SIZE), rates, np.zeros(PowerSlot.SIZE), np.zeros(Soil.SIZE), NO_NODES,
+    )  # fmt: skip
+    assert rates[1] == pytest.approx(-0.1 * 0.8175, rel=0.03)  # less what the step's end takes
+    fine = np.zeros(3)
+    roll_wheel(
+        level(), soil(), one, hub, np.eye(3).reshape(1, 9), moving, hub, 0, none, 1e-6,
+        np.zeros(WheelSlot.SIZE), fine, np.zeros(PowerSlot.SIZE), np.zeros(Soil.SIZE), NO_NODES,
+    )  # fmt: skip
+    assert fine[1] == pytest.approx(-0.1 * 0.8175, rel=1e-4)
 
 
 def test_the_wall_turns_the_wheel_about_the_middle_of_its_height():
@@ -213,9 +273,9 @@ def test_the_wall_turns_the_wheel_about_the_middle_of_its_height():
 def test_on_the_furrows_ramp_the_load_is_normal_to_it():
     slope = math.atan(-0.25 * 1.5 / 3.0)
     force, torque, slots, _ = on_ground(FURROWED, hub=(11.5, 0.9, 0.8175 - 0.125))
-    load = 383e3 * (0.5 * 1.755 - 0.8175 * math.cos(slope))
-    assert slots[WheelSlot.LOAD_N] == pytest.approx(load)
-    assert force == pytest.approx([-load * math.sin(slope), 0.0, load * math.cos(slope)], abs=1e-6)
+    lift = 383e3 * (0.5 * 1.755 - 0.8175)
+    assert slots[WheelSlot.LOAD_N] == pytest.approx(lift / math.cos(slope))
+    assert force == pytest.approx([-lift * math.tan(slope), 0.0, lift], abs=1e-6)
     assert torque == pytest.approx([0.0, 0.0, 0.0], abs=1e-6)
 
 

@@ -141,9 +141,11 @@ def _add_ground(spec: Any, rotation: Array, maps: dict[str, GridMap]) -> None:
 
 
 def _add_activations(spec: Any) -> None:
-    """Tyre deflections and wind-ups: MuJoCo activations whose rates our callback gives."""
+    """Deflections of tyres and soil, and wind-ups: activations whose rates our callback gives."""
     names = [f"{w}_tyre_{axis}" for w in block.WHEELS for axis in "xy"]
     names += [f"{c}_windup" for c in block.COUPLINGS]
+    shares = [s.name for s in spec.sites if s.name.startswith("plough.share_")]
+    names += [f"plough.soil_{i + 1}_{axis}" for i in range(len(shares)) for axis in "xy"]
     for name in names:
         actuator = spec.add_actuator(
             name=name,

@@ -217,8 +217,9 @@ def _coupling(
 def _plough(model: Any, numbers: dict[str, float], setting: Setting) -> dict[Any, float]:
     """The plough's numbers; the operator has shifted it so that the first body meets the wall."""
     laws = tuple(f for f in Plough if f < Plough.WHEEL_RADIUS_M)
-    wheel = tuple(f for f in Plough if Plough.WHEEL_RADIUS_M <= f < Plough.SHARES)
-    out = _named(numbers, "plough", laws)
+    wheel = tuple(f for f in Plough if Plough.WHEEL_RADIUS_M <= f < Plough.SOIL_STIFFNESS_NPM)
+    out = _named(numbers, "plough", (*laws, Plough.SOIL_STIFFNESS_NPM))
+    out[Plough.SOIL] = _activation(model, "plough.soil_1_x")
     for f in wheel:
         out[f] = _number(numbers, "plough." + f.name.lower().replace("wheel_", "depth_wheel."))
     side = FURROW_SIDES[setting.furrow]

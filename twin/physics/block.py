@@ -12,7 +12,7 @@ from enum import IntEnum
 
 MAGIC = 7.714e38
 """First number of the block; a model without it is left alone, bit for bit."""
-VERSION = 2.0
+VERSION = 3.0
 WHEELS = ("fl", "fr", "rl", "rr")
 
 
@@ -116,7 +116,8 @@ class Wheel(IntEnum):
     RELAXATION_LAT_M = 10
     LATERAL_RATIO = 11
     SHEAR_DAMPING_S = 12  # damping of the deflections, over load and relaxation length
-    SIZE = 13
+    NOMINAL_LOAD_N = 13  # at which the relaxation lengths hold, on firm soil
+    SIZE = 14
 
 
 class Engine(IntEnum):
@@ -168,8 +169,10 @@ class Plough(IntEnum):
     WHEEL_STIFFNESS_NPM = 8
     WHEEL_DAMPING_NSPM = 9
     WHEEL_RESISTANCE_RATIO = 10
-    SHARES = 11  # x, y, z of each share tip in the plough's frame
-    SIZE = 11 + 3 * 6
+    SOIL_STIFFNESS_NPM = 11  # of the soil before one body, until it fails
+    SOIL = 12  # activation of the first body's displacement ahead; sideways and the others follow
+    SHARES = 13  # x, y, z of each share tip in the plough's frame
+    SIZE = 13 + 3 * 6
 
 
 FIELD = int(Head.SIZE)
@@ -198,7 +201,11 @@ class WheelSlot(IntEnum):
     SPEED_Y_MPS = 11
     RATE_RADPS = 12
     WALL_N = 13
-    SIZE = 14
+    ELASTIC_J = 14  # stored in the tyre's springs and in the furrow's wall
+    SPRING_X_N = 15  # force of the tyre's springs on the hub, world axes: load without damping
+    SPRING_Y_N = 16
+    SPRING_Z_N = 17
+    SIZE = 18
 
 
 class MachineSlot(IntEnum):
@@ -216,7 +223,8 @@ class MachineSlot(IntEnum):
     BRAKE_TORQUE_NM = 9
     SIDE_N = 10  # soil force on the plough to the left
     LANDSIDE_N = 11
-    SIZE = 12
+    ELASTIC_J = 12  # stored beside the wheels: driveline, depth wheel, soil before the shares
+    SIZE = 13
 
 
 class PowerSlot(IntEnum):

@@ -30,6 +30,7 @@ from twin.physics.block import (
     WheelSlot,
 )
 from twin.physics.compiled import c_callback, law
+from twin.physics.contact import ring
 from twin.physics.coupling import twist
 from twin.physics.engine import (
     axle_torque_nm,
@@ -39,13 +40,15 @@ from twin.physics.engine import (
 )
 from twin.physics.ground import draft_scale, field_axis, on_ground, on_map
 from twin.physics.plough import (
+    LIFTED_S,
     depth_wheel_force,
     draft_factor,
     draft_n,
     rock_n,
     share_force,
+    soil_before,
 )
-from twin.physics.shapes import Array
+from twin.physics.shapes import Array, Vector
 from twin.physics.tyre import roll_wheel
 
 _ = layout.offset
@@ -122,6 +125,7 @@ def couple(
     ctrl: Array,
     dt_s: float,
     rates: Array,
+    slots: Array,
 ) -> float:
     """Torque of one friction element; a pedal releases it, a lever applies it."""
     at = COUPLING + which * COUPLING_SIZE
@@ -130,6 +134,8 @@ def couple(
     windup = int(element[Coupling.WINDUP])
     applied = 1.0 - control if pedal else control
     torque, rates[windup] = twist(element, applied, act[windup], rate_radps, dt_s)
+    held = applied * element[Coupling.CAPACITY_NM] * element[Coupling.WINDUP_RAD]
+    slots[MachineSlot.ELASTIC_J] += 0.5 * held * act[windup] * act[windup]
     return torque
 
 
@@ -163,11 +169,11 @@ def drive(
     rear_rate = qvel[shaft] - 0.5 * (qvel[rl] + qvel[rr])
     front_rate = ratio * qvel[shaft] - 0.5 * (qvel[fl] + qvel[fr])
     lock_rate = qvel[rl] - qvel[rr]
-    rear = couple(parameters, CLUTCH, True, rear_rate, act, ctrl, dt_s, rates)
-    front = couple(parameters, FRONT_DRIVE, False, front_rate, act, ctrl, dt_s, rates)
-    lock = couple(parameters, LOCK, False, lock_rate, act, ctrl, dt_s, rates)
-    brake_l = couple(parameters, BRAKE_RL, False, qvel[rl], act, ctrl, dt_s, rates)
-    brake_r = couple(parameters, BRAKE_RR, False, qvel[rr], act, ctrl, dt_s, rates)
+    rear = couple(parameters, CLUTCH, True, rear_rate, act, ctrl, dt_s, rates, slots)
+    front = couple(parameters, FRONT_DRIVE, False, front_rate, act, ctrl, dt_s, rates, slots)
+    lock = couple(parameters, LOCK, False, lock_rate, act, ctrl, dt_s, rates, slots)
+    brake_l = couple(parameters, BRAKE_RL, False, qvel[rl], act, ctrl, dt_s, rates, slots)
+    brake_r = couple(parameters, BRAKE_RR, False, qvel[rr], act, ctrl, dt_s, rates, slots)
     passive[shaft] += output - rear - ratio * front
     passive[rl] += 0.5 * rear - lock - brake_l
     passive[rr] += 0.5 * rear + lock - brake_r
@@ -184,7 +190,7 @@ def drive(
 
 
 @law
-def pull_plough(
+def roll_depth_wheel(
     model: Any,
     parameters: Array,
     xpos: Array,
@@ -197,14 +203,61 @@ def pull_plough(
     slots: Array,
     powers: Array,
     nodes: Array,
+) -> Vector:
+    """Forces of the ground on the plough's depth wheel, at its hub; their drag, world axes.
+
+    The wheel stands upright whatever the plough does, so nothing turns it over.
+    """
+    field, plough = parameters[FIELD:SOIL], parameters[PLOUGH:]
+    wheel, frame = int(parameters[Head.DEPTH_WHEEL_BODY]), int(parameters[Head.PLOUGH_BODY])
+    root, dof = memory.ints(model, BODY_ROOTID)[frame], last_dof(model, frame)
+    hub, normal = rigid.row3(xpos, wheel), field_axis(field, Field.NORMAL)
+    across = rigid.axis(xmat, frame, 1)
+    axle = rigid.unit(rigid.minus(across, rigid.scaled(rigid.dot(across, normal), normal)))
+    spring, _, _, energy = ring(
+        field, nodes, hub, 0.0, axle, normal, plough[Plough.WHEEL_RADIUS_M],
+        plough[Plough.WHEEL_STIFFNESS_NPM], 0.0,
+    )  # fmt: skip
+    pushed = math.sqrt(rigid.dot(spring, spring))
+    if pushed > 0.0:
+        normal = rigid.scaled(1.0 / pushed, spring)
+    velocity = rigid.point_velocity(cvel, com, wheel, root, hub)
+    pressing, drag, load = depth_wheel_force(plough, spring, velocity, normal)
+    total = rigid.plus(pressing, drag)
+    rigid.push(passive, cdof, parent, dof, com, root, hub, total, (0.0, 0.0, 0.0))
+    powers[PowerSlot.DEPTH_WHEEL] = -rigid.dot(pressing, velocity)
+    powers[PowerSlot.DRAWBAR] -= rigid.dot(drag, velocity)
+    slots[MachineSlot.DEPTH_WHEEL_N] = load
+    slots[MachineSlot.ELASTIC_J] += energy
+    for i in range(3):
+        slots[MachineSlot.DRAFT_X_N + i] += total[i]
+    return drag
+
+
+@law
+def pull_plough(
+    model: Any,
+    parameters: Array,
+    xpos: Array,
+    xmat: Array,
+    cvel: Array,
+    com: Array,
+    cdof: Array,
+    parent: Any,
+    passive: Array,
+    act: Array,
+    dt_s: float,
+    rates: Array,
+    slots: Array,
+    powers: Array,
+    nodes: Array,
 ) -> None:
     """Soil forces on the plough's bodies and its depth wheel.
 
     The drag of the depth wheel is a part of D497's implement draft, so the shares pull less by it.
     """
     field, soil = parameters[FIELD:SOIL], parameters[SOIL:WHEEL]
-    head, plough = parameters, parameters[PLOUGH:]
-    frame, wheel = int(head[Head.PLOUGH_BODY]), int(head[Head.DEPTH_WHEEL_BODY])
+    plough, frame = parameters[PLOUGH:], int(parameters[Head.PLOUGH_BODY])
     root, dof = memory.ints(model, BODY_ROOTID)[frame], last_dof(model, frame)
     normal, none = field_axis(field, Field.NORMAL), (0.0, 0.0, 0.0)
     left = rigid.axis(xmat, frame, 1)
@@ -212,45 +265,58 @@ def pull_plough(
     ahead = rigid.cross(left, normal)
     land = rigid.scaled(1.0 if field[Field.FURROW_SIDE] <= 0.0 else -1.0, left)
     bodies = int(plough[Plough.BODIES])
-
-    hub = rigid.row3(xpos, wheel)
-    velocity = rigid.point_velocity(cvel, com, wheel, root, hub)
-    s, t, above = on_ground(field, hub)
-    above -= on_map(field, Field.HEIGHTS, nodes, s, t)[0]
-    spring, drag, load = depth_wheel_force(plough, above, velocity, normal)
-    rigid.push(passive, cdof, parent, dof, com, root, hub, rigid.plus(spring, drag), none)
-    powers[PowerSlot.DEPTH_WHEEL] = -rigid.dot(spring, velocity)
-    powers[PowerSlot.DRAWBAR] = -rigid.dot(drag, velocity)
-    total = rigid.plus(spring, drag)
+    drag = roll_depth_wheel(
+        model, parameters, xpos, xmat, cvel, com, cdof, parent, passive, slots, powers, nodes
+    )
     relief = max(0.0, -rigid.dot(drag, ahead)) / bodies
 
     depth_sum = landside_sum = 0.0
     for i in range(bodies):
-        at = Plough.SHARES + 3 * i
+        at, pressed = Plough.SHARES + 3 * i, int(plough[Plough.SOIL]) + 2 * i
         tip = rigid.to_world(xpos, xmat, frame, (plough[at], plough[at + 1], plough[at + 2]))
         s, t, above = on_ground(field, tip)
         above -= on_map(field, Field.HEIGHTS, nodes, s, t)[0]
         if above >= 0.0:
+            rates[pressed], rates[pressed + 1] = (
+                -act[pressed] / LIFTED_S, -act[pressed + 1] / LIFTED_S
+            )  # fmt: skip
             continue
-        velocity = rigid.point_velocity(cvel, com, frame, root, tip)
+        up = -above * (1.0 - plough[Plough.FORCE_DEPTH_RATIO])
+        point = rigid.plus(tip, rigid.scaled(up, normal))
+        velocity = rigid.point_velocity(cvel, com, frame, root, point)
+        moving = (
+            rigid.dot(velocity, ahead), rigid.dot(velocity, land), rigid.dot(velocity, normal)
+        )  # fmt: skip
         scale = draft_scale(field, soil, nodes, s, t)
         draft = draft_n(plough, scale, -above, math.sqrt(rigid.dot(velocity, velocity)))
         draft *= draft_factor(field, soil, s, t, -above)
         draft = max(0.0, draft - relief) + rock_n(field, soil, s, t, i)
-        force, landside = share_force(plough, draft, velocity, normal, land)
-        up = -above * (1.0 - plough[Plough.FORCE_DEPTH_RATIO])
-        point = rigid.plus(tip, rigid.scaled(up, normal))
+        before = soil_before(
+            plough[Plough.SOIL_STIFFNESS_NPM], draft, (act[pressed], act[pressed + 1]),
+            (moving[0], moving[1]), dt_s,
+        )  # fmt: skip
+        rates[pressed] = (before[0] - act[pressed]) / dt_s
+        rates[pressed + 1] = (before[1] - act[pressed + 1]) / dt_s
+        pull, landside = share_force(plough, draft, before, moving)
+        force = rigid.plus(
+            rigid.scaled(pull[0], ahead),
+            rigid.plus(rigid.scaled(pull[1], land), rigid.scaled(pull[2], normal)),
+        )
         rigid.push(passive, cdof, parent, dof, com, root, point, force, none)
-        velocity = rigid.point_velocity(cvel, com, frame, root, point)
         powers[PowerSlot.DRAWBAR] -= rigid.dot(force, velocity)
-        total, depth_sum = rigid.plus(total, force), depth_sum - above
         landside_sum += landside
-    slots[MachineSlot.DRAFT_X_N], slots[MachineSlot.DRAFT_Y_N], slots[MachineSlot.DRAFT_Z_N] = total
+        square = before[0] * before[0] + before[1] * before[1]
+        slots[MachineSlot.ELASTIC_J] += 0.5 * plough[Plough.SOIL_STIFFNESS_NPM] * square
+        depth_sum -= above
+        for k in range(3):
+            slots[MachineSlot.DRAFT_X_N + k] += force[k]
+    total = (
+        slots[MachineSlot.DRAFT_X_N], slots[MachineSlot.DRAFT_Y_N], slots[MachineSlot.DRAFT_Z_N]
+    )  # fmt: skip
     slots[MachineSlot.DRAFT_N] = -rigid.dot(total, ahead)
     slots[MachineSlot.SIDE_N] = rigid.dot(total, left)
     slots[MachineSlot.LANDSIDE_N] = landside_sum
     slots[MachineSlot.DEPTH_M] = depth_sum / bodies
-    slots[MachineSlot.DEPTH_WHEEL_N] = load
 
 
 @law
@@ -295,8 +361,9 @@ def ground_forces(model: Any, data: Any) -> None:
         drive(parameters, qvel, act, ctrl, passive, dt_s, machine, rates, powers)
     if parameters[Head.PLOUGH_BODY] >= 0.0:
         pull_plough(
-            model, parameters, xpos, xmat, cvel, com, cdof, parent, passive, machine, powers, nodes
-        )
+            model, parameters, xpos, xmat, cvel, com, cdof, parent, passive, act, dt_s, rates,
+            machine, powers, nodes,
+        )  # fmt: skip
     damper = memory.doubles(data, QFRC_DAMPER)
     for j in range(nv):
         powers[PowerSlot.JOINT] -= damper[j] * qvel[j]

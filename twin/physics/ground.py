@@ -99,43 +99,74 @@ def beside_pass(field: Array, t_m: float) -> float:
 
 
 @law
-def furrow(field: Array, s_m: float, t_m: float) -> tuple[float, float]:
-    """Height of the furrow's bottom below the field, and its slope along the ground.
+def furrow(field: Array, s_m: float, t_m: float) -> tuple[float, float, float]:
+    """Height of the furrow's bottom below the field, and its slopes along the ground's axes.
+
+        h = -depth q(along) q(beyond)        q(x) = x**2 (3 - 2 x) between 0 and 1
 
     The wheel path of the last pass: beyond its wall, from where that pass got its depth. Side and
     start are those of this pass, which may go back against the ground's axes.
 
     Returns:
-        height_m (<= 0), dh/ds.
+        height_m (<= 0), dh/ds, dh/dt.
     """
     side = field[Field.FURROW_SIDE]
     if side == 0.0:
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0
     way, aside_m = field[Field.PASS_WAY], beside_pass(field, t_m)
-    beyond = (side * aside_m - field[Field.FURROW_EDGE_M]) / EDGE_M
-    if beyond <= 0.0:
-        return 0.0, 0.0
     done_m, ramp_m = way * (s_m - field[Field.PASS_S_M]), field[Field.FURROW_RAMP_M]
-    along = (done_m - field[Field.FURROW_START_M]) / ramp_m
+    begun = (done_m - field[Field.FURROW_START_M]) / ramp_m
     left = (field[Field.FURROW_END_M] - done_m) / ramp_m + 1.0
-    if left < along:
-        along, way = left, -way
-    if along <= 0.0:
+    along, along_slope = smooth_step(min(begun, left))
+    beyond, beyond_slope = smooth_step((side * aside_m - field[Field.FURROW_EDGE_M]) / EDGE_M)
+    depth = field[Field.FURROW_DEPTH_M]
+    ahead = way if begun <= left else -way
+    return (
+        -depth * along * beyond,
+        -depth * beyond * along_slope * ahead / ramp_m,
+        -depth * along * beyond_slope * side * way / EDGE_M,
+    )
+
+
+@law
+def smooth_step(x: float) -> tuple[float, float]:
+    """x**2 (3 - 2 x) between 0 and 1, and its derivative."""
+    if x <= 0.0:
         return 0.0, 0.0
-    depth = field[Field.FURROW_DEPTH_M] * min(1.0, beyond)
-    if along >= 1.0:
-        return -depth, 0.0
-    slope = way * 6.0 * along * (1.0 - along) / ramp_m
-    return -depth * along * along * (3.0 - 2.0 * along), -depth * slope
+    if x >= 1.0:
+        return 1.0, 0.0
+    return x * x * (3.0 - 2.0 * x), 6.0 * x * (1.0 - x)
+
+
+@law
+def spline(k: int, a: float) -> tuple[float, float]:
+    """Weight of the node k cells from the nearest, and its derivative; a in [-1/2, 1/2].
+
+    B_0 = 3/4 - a**2        B_-1 = (1/2 - a)**2 / 2        B_1 = (1/2 + a)**2 / 2
+    """
+    if k == 0:
+        return 0.75 - a * a, -2.0 * a
+    reach = 0.5 + k * a
+    return 0.5 * reach * reach, k * reach
+
+
+@law
+def node(i: int, count: int, repeats: bool) -> int:
+    """Number of a node beyond the border: its repetition, or the border's own."""
+    return i % count if repeats else min(max(i, 0), count - 1)
 
 
 @law
 def on_map(
     field: Array, which: int, nodes: Array, s_m: float, t_m: float
 ) -> tuple[float, float, float]:
-    """Value of a map at a place, between its four nodes, and its slopes; 0 without a map.
+    """Value of a map at a place and its slopes; 0 without a map.
 
-        f = (1 - b) ((1 - a) f00 + a f10) + b ((1 - a) f01 + a f11)
+        f = sum over the 3 x 3 nearest nodes of B_k(v) B_m(u) f_km
+
+    The quadratic B-spline over the nodes: the mean over one cell of the surface that is linear
+    between them. Its slopes are continuous, so no force that follows them jumps; a plane stays a
+    plane, and no value leaves the range of the nodes.
 
     Args:
         field: its part of the block.
@@ -150,37 +181,32 @@ def on_map(
     if rows == 0:
         return 0.0, 0.0, 0.0
     cell_m, first = field[which + Grid.CELL_M], int(field[which + Grid.FIRST])
-    along_s = along_t = field[which + Grid.RANGE] / cell_m
+    repeats = field[which + Grid.REPEATS] != 0.0
     u = (s_m + field[Field.ORIGIN_S_M] - field[which + Grid.START_M]) / cell_m
     v = (t_m + field[Field.ORIGIN_T_M] - field[which + Grid.RIGHT_M]) / cell_m
-    if field[which + Grid.REPEATS] != 0.0:
-        i, j = math.floor(u), math.floor(v)
-        a, b = u - i, v - j
-        i, j = int(i) % columns, int(j) % rows
-        east, north = (i + 1) % columns, (j + 1) % rows
-    else:  # a place beyond the border has the border's value, and no slope across it
-        along_s = along_s if 0.0 <= u <= columns - 1.0 else 0.0
-        along_t = along_t if 0.0 <= v <= rows - 1.0 else 0.0
-        u, v = min(max(u, 0.0), columns - 1.0), min(max(v, 0.0), rows - 1.0)
-        i, j = min(int(u), columns - 2), min(int(v), rows - 2)
-        a, b = u - i, v - j
-        east, north = i + 1, j + 1
-    near, far = first + j * columns, first + north * columns
-    f00, f10, f01, f11 = nodes[near + i], nodes[near + east], nodes[far + i], nodes[far + east]
-    right, left = f00 + a * (f10 - f00), f01 + a * (f11 - f01)
+    if not repeats:  # far beyond the border all is as at it
+        u, v = min(max(u, -2.0), columns + 1.0), min(max(v, -2.0), rows + 1.0)
+    nearest_u, nearest_v = math.floor(u + 0.5), math.floor(v + 0.5)
+    a, b = u - nearest_u, v - nearest_v
+    value = along_s = along_t = 0.0
+    for k in range(-1, 2):
+        weight_v, change_v = spline(k, b)
+        row = first + node(int(nearest_v) + k, rows, repeats) * columns
+        line = slope = 0.0
+        for m in range(-1, 2):
+            weight_u, change_u = spline(m, a)
+            height = nodes[row + node(int(nearest_u) + m, columns, repeats)]
+            line += weight_u * height
+            slope += change_u * height
+        value += weight_v * line
+        along_s += weight_v * slope
+        along_t += change_v * line
+    scale = field[which + Grid.RANGE]
     return (
-        field[which + Grid.LOW] + field[which + Grid.RANGE] * (right + b * (left - right)),
-        along_s * ((1.0 - b) * (f10 - f00) + b * (f11 - f01)),
-        along_t * (left - right),
+        field[which + Grid.LOW] + scale * value,
+        scale / cell_m * along_s,
+        scale / cell_m * along_t,
     )
-
-
-@law
-def surface(field: Array, nodes: Array, s_m: float, t_m: float) -> tuple[float, float, float]:
-    """Height of the ground at a place, its map and the furrow together, and its slopes."""
-    height, slope_s, slope_t = on_map(field, Field.HEIGHTS, nodes, s_m, t_m)
-    bottom, slope = furrow(field, s_m, t_m)
-    return height + bottom, slope_s + slope, slope_t
 
 
 @law

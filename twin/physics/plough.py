@@ -8,14 +8,14 @@ from twin.physics import rigid
 from twin.physics.block import Field, Plough, Soil
 from twin.physics.compiled import law
 from twin.physics.ground import RIPPLE, ROCKS, node_value, random_field
-from twin.physics.shapes import Array, Vector
+from twin.physics.shapes import Array, Vector, Vector2
 
 STARTING_MPS = 0.05
-"""Speed below which the draft of a standing plough fades, and turns viscous [m/s]."""
+"""Speed below which suction, and the drag of the depth wheel, fade [m/s]."""
 LANDSIDE_ANGLE = 0.03
 """Drift towards the land at which the landside force has doubled [rad]; assumed."""
-DRIFT_MPS = 0.3
-"""Slowest speed at which the drift is measured [m/s]: a standing landside must not be stiff."""
+LIFTED_S = 0.05
+"""Time in which the soil before a lifted share is let go [s]."""
 RIPPLE_PER_DEPTH = 0.75
 """Wave length of shear failure over the depth: 0.5 to 1 in the literature."""
 ROCK_CELL_M, ROCK_LENGTH_M = 10.0, 0.25
@@ -77,68 +77,93 @@ def rock_n(field: Array, soil: Array, s_m: float, t_m: float, share: int) -> flo
 
 
 @law
+def soil_before(
+    stiffness_npm: float, draft: float, pressed: Vector2, velocity: Vector2, dt_s: float
+) -> Vector2:
+    """How far a body has pressed the soil before it, at the end of a step; in the ground plane [m].
+
+        dx/dt = v - |v| k x / D        so that k |x| = D while it moves, after a way of D / k
+
+    Soil is a spring until it fails at the draft D: a standing plough sticks, and one that starts
+    finds its draft over a centimetre or two. Taken at the end of the step (implicit), which is
+    stable at any step.
+
+    Args:
+        stiffness_npm: k.
+        draft: D of this body here and now [N].
+        pressed: x at the start of the step, ahead and towards the land.
+        velocity: v of the body, in the same directions.
+        dt_s: the step.
+    """
+    speed = math.sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1])
+    if draft <= 0.0:
+        return (0.0, 0.0)
+    left = 1.0 / (1.0 + dt_s * speed * stiffness_npm / draft)
+    return (pressed[0] + dt_s * velocity[0]) * left, (pressed[1] + dt_s * velocity[1]) * left
+
+
+@law
 def share_force(
-    plough: Array,
-    draft: float,
-    velocity: Vector,
-    normal: Vector,
-    land: Vector,
+    plough: Array, draft: float, pressed: Vector2, velocity: Vector
 ) -> tuple[Vector, float]:
-    """Soil force on one share.
+    """Soil force on one body, from how far it has pressed the soil before it.
 
-    Draft against the motion in the ground plane (the landside's friction is a part of it), a part
-    V = r_v D downwards, and sideways the mould-board's S = r_s D towards the land, against it the
-    landside
+        F_ahead = -k x        F_land = -k y - S clip(drift / angle, -1, 2)
+        S       = r_s k max(x, 0)
+        F_up    = -r_v k max(x, 0) V / sqrt(V**2 + (r_v v_up)**2 + v_0**2)
 
-        N = S (1 + drift / angle)   between 0 and 3 S
+    with drift = k y / D, which is v_land / v_ahead while it moves. Draft opposes the motion (the
+    landside's friction is a part of it); the mould-board pushes towards the land with S, against it
+    the landside with N = S (1 + drift / angle), between 0 and 3 S. The share draws itself down no
+    faster than it goes ahead, so that it takes energy however it moves.
 
     Args:
         plough: its part of the block.
         draft: D of this body here and now [N].
-        velocity: of its tip, world axes.
-        normal: of the ground.
-        land: unit vector in the ground plane towards the unploughed land.
+        pressed: x and y, ahead and towards the land [m].
+        velocity: of the point where the force acts: ahead, towards the land, up.
 
     Returns:
-        force (world axes, tuple), landside_n.
+        force (ahead, towards the land, up), landside_n.
     """
-    sliding = rigid.minus(velocity, rigid.scaled(rigid.dot(velocity, normal), normal))
-    speed = math.sqrt(rigid.dot(sliding, sliding))
-    moving = math.sqrt(speed * speed + STARTING_MPS * STARTING_MPS)
-    fading = speed / moving
-    side = plough[Plough.SIDE_RATIO] * draft * fading
-    drift = rigid.dot(sliding, land) / max(speed, DRIFT_MPS)
+    stiffness = plough[Plough.SOIL_STIFFNESS_NPM]
+    if draft <= 0.0:
+        return (0.0, 0.0, 0.0), 0.0
+    cutting = stiffness * max(pressed[0], 0.0)
+    side = plough[Plough.SIDE_RATIO] * cutting
+    drift = stiffness * pressed[1] / draft
     landside = side * min(3.0, max(0.0, 1.0 + drift / LANDSIDE_ANGLE))
-    force = rigid.plus(
-        rigid.scaled(-draft / moving, sliding),
-        rigid.plus(
-            rigid.scaled(-plough[Plough.VERTICAL_RATIO] * draft * fading, normal),
-            rigid.scaled(side - landside, land),
-        ),
+    ratio = plough[Plough.VERTICAL_RATIO]
+    square = velocity[0] * velocity[0] + velocity[1] * velocity[1]
+    rising = ratio * velocity[2]
+    drawn = math.sqrt(square / (square + rising * rising + STARTING_MPS * STARTING_MPS))
+    force = (
+        -stiffness * pressed[0],
+        -stiffness * pressed[1] + side - landside,
+        -ratio * cutting * drawn,
     )
     return force, landside
 
 
 @law
 def depth_wheel_force(
-    plough: Array, above_m: float, velocity: Vector, normal: Vector
+    plough: Array, spring: Vector, velocity: Vector, normal: Vector
 ) -> tuple[Vector, Vector, float]:
-    """Ground force on the depth wheel: a damped spring, and rolling resistance against its motion.
+    """Force on the depth wheel: its spring with a damper, and rolling resistance against its motion
 
     Args:
         plough: its part of the block.
-        above_m: height of the wheel's hub above the ground.
-        velocity, normal: of the hub, and of the ground; world axes.
+        spring: force of its tyre's spring.
+        velocity: of the hub; world axes.
+        normal: unit vector along the spring's force.
 
     Returns:
-        spring force, drag (world axes, tuples), load_n.
+        spring and damper, drag (world axes, tuples), load_n.
     """
-    deflection = plough[Plough.WHEEL_RADIUS_M] - above_m
+    pushed = math.sqrt(rigid.dot(spring, spring))
     rising = rigid.dot(velocity, normal)
-    load = (
-        plough[Plough.WHEEL_STIFFNESS_NPM] * deflection - plough[Plough.WHEEL_DAMPING_NSPM] * rising
-    )
-    if deflection <= 0.0 or load <= 0.0:
+    load = pushed - plough[Plough.WHEEL_DAMPING_NSPM] * rising
+    if pushed <= 0.0 or load <= 0.0:
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
     sliding = rigid.minus(velocity, rigid.scaled(rising, normal))
     speed = math.sqrt(rigid.dot(sliding, sliding) + STARTING_MPS * STARTING_MPS)

@@ -9,3 +9,5 @@ Array = NDArray[np.float64]
 """A part of the parameter block, or a field of mjData."""
 Vector = tuple[float, float, float]
 """A vector in world axes."""
+Vector2 = tuple[float, float]
+"""A vector in the ground plane."""

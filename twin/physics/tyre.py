@@ -1,4 +1,4 @@
-"""One wheel on the ground: vertical spring, relaxing deflections, and the soil law's forces."""
+"""One wheel on the ground: its springs, its tread's deflections, and the soil law's forces."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import math
 from twin.physics import rigid
 from twin.physics.block import Field, PowerSlot, Soil, Wheel, WheelSlot
 from twin.physics.compiled import law
-from twin.physics.ground import beside_pass, field_axis, furrow, on_ground, soil_at, surface
+from twin.physics.contact import RING, ring, upward
+from twin.physics.furrow_wall import wall_force
+from twin.physics.ground import field_axis, furrow, on_ground, soil_at
 from twin.physics.laws import soil_forces
 from twin.physics.shapes import Array, Vector
 
@@ -20,11 +22,14 @@ RADIUS_PER_DEFLECTION = 1.0 / 3.0
 """Loss of rolling radius per deflection; a bias tyre's circumference shortens by a third of it."""
 LIFTED_S = 0.05
 """Time in which the deflections of a lifted wheel vanish [s]."""
-
-SLICE_M = 0.15
-"""How deep a tyre can press into the turned slice before it rides up on it [m]; assumed."""
-LEAST_UPRIGHT_SQUARED = 1e-4
-"""Of a wheel that lies on its side, whose tread has no place on the ground."""
+FIRM_STIFFNESS = 6.5
+"""Slip stiffness over load on firm soil [-]: 0.88 x 7.5 (1 - exp(-Bn / 10)) at Bn 42, Brixius."""
+SLOWEST_MPS = 0.01
+"""Slowest travel by which slip is measured [m/s]: at rest it is not noise over noise."""
+LEAST_SLIP = 1e-5
+"""Slip at which the law's secant is taken where there is none [-]."""
+LEAST_SINE = 1e-6
+"""Of the angle between axle and ground normal, below which a wheel has no way ahead."""
 
 
 @law
@@ -44,92 +49,66 @@ def relaxed_shear(
     u_x: float,
     u_y: float,
     dt_s: float,
-) -> tuple[float, float, float, float, float, float, float]:
-    """Forces of a tyre whose contact patch lags by its deflections u, and the deflections' rates.
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Forces of a tyre whose tread is sprung on its carcass, and the rates of its deflections u.
 
-        du/dt = v_slip - V u / L        V = max(|w R|, |v_x|, |v_y|)
-        slip of the patch = u / L       F = law(u / L) + (tau N / L) du/dt
+        F = K u + (tau N / L) du/dt        du/dt = v - V K u / C        C = law(s) / s
+        v = (w R - v_x, -v_y)              V = max(|w R|, |v_x|, |v_y|)        s = v / V
 
-    In steady state u / L is the slip of the law's own definition; at rest u is a spring, so a
-    parked wheel sticks. The force is taken at the end of the step (u + dt du/dt), which keeps the
-    pair velocity-deflection from gaining energy. The damper takes |F| no further than N mu, or than
-    the law's own force where that is more. The law is asked for a wheel that rolls forwards; one
-    that rolls backwards has its forces turned round.
+    The springs K = 6.5 N_nominal / L (times kappa across) are constant; C is the law's secant at
+    the slip of the law's own definition, along and across. In steady state K u = law(s); after a
+    small change of slip u follows over the way C / K, the relaxation length: L on firm soil at the
+    nominal load, in proportion to load, and shorter as slip grows. At rest u is a spring, so a
+    parked wheel sticks. u is taken at the end of the step (implicit). |K u| never exceeds N mu, or
+    the law's own force where that is more. What is lost is K u . V K u / C, never negative, so the
+    pair returns no more than it was given. The law is asked for a wheel that rolls forwards; one
+    that rolls backwards has its forces turned round. Pacejka 2012, Tire and Vehicle Dynamics,
+    section 7.2.1, with the law's secant for his cornering stiffness.
 
     Returns:
-        shear_x_n, shear_y_n, resistance_n, rolling_moment_n, sinkage_m, rate_x, rate_y [m/s].
+        shear_x_n, shear_y_n, resistance_n, rolling_moment_n, sinkage_m, rate_x, rate_y [m/s],
+        energy_j held by the springs.
     """
-    long_m, lat_m = wheel[Wheel.RELAXATION_LONG_M], wheel[Wheel.RELAXATION_LAT_M]
+    nominal = FIRM_STIFFNESS * wheel[Wheel.NOMINAL_LOAD_N]
+    k_x = nominal / wheel[Wheel.RELAXATION_LONG_M]
+    k_y = nominal * wheel[Wheel.LATERAL_RATIO] / wheel[Wheel.RELAXATION_LAT_M]
+    v_x, v_y = spin_mps - roll_mps, -side_mps
     travel = max(abs(spin_mps), abs(roll_mps), abs(side_mps))
-    rate_x = (spin_mps - roll_mps) - travel * u_x / long_m
-    rate_y = -side_mps - travel * u_y / lat_m
-    slip, side_slip = (u_x + dt_s * rate_x) / long_m, (u_y + dt_s * rate_y) / lat_m
     way = 1.0 if spin_mps + roll_mps >= 0.0 else -1.0
-    x, y, resistance, rolling, sinkage = soil_forces(soil, wheel, load_n, way * slip, side_slip)
-    x *= way
+    reference = max(travel, SLOWEST_MPS)
+    slip, side_slip = not_zero(way * v_x / reference), not_zero(v_y / reference)
+    x, y, resistance, rolling, sinkage = soil_forces(soil, wheel, load_n, slip, side_slip)
     ceiling = max(load_n * soil[Soil.FRICTION], math.sqrt(x * x + y * y))
+    least = 1e-3 * load_n
+    after_x = (u_x + dt_s * v_x) / (1.0 + dt_s * travel * k_x / max(x / slip, least))
+    after_y = (u_y + dt_s * v_y) / (1.0 + dt_s * travel * k_y / max(y / side_slip, least))
+    held = math.sqrt(k_x * after_x * k_x * after_x + k_y * after_y * k_y * after_y)
+    if held > ceiling:
+        after_x, after_y = after_x * ceiling / held, after_y * ceiling / held
+    rate_x, rate_y = (after_x - u_x) / dt_s, (after_y - u_y) / dt_s
     damping = load_n * wheel[Wheel.SHEAR_DAMPING_S]
-    x += damping / long_m * rate_x
-    y += damping * wheel[Wheel.LATERAL_RATIO] / lat_m * rate_y
+    x = k_x * after_x + damping / wheel[Wheel.RELAXATION_LONG_M] * rate_x
+    across = damping * wheel[Wheel.LATERAL_RATIO] / wheel[Wheel.RELAXATION_LAT_M]
+    y = k_y * after_y + across * rate_y
     size = math.sqrt(x * x + y * y)
     if size > ceiling:
         x, y = x * ceiling / size, y * ceiling / size
-    return x, y, resistance, rolling, sinkage, rate_x, rate_y
+    energy = 0.5 * (k_x * u_x * u_x + k_y * u_y * u_y)
+    return x, y, resistance, rolling, sinkage, rate_x, rate_y, energy
 
 
 @law
-def wall_force(field: Array, wheel: Array, s_m: float, t_m: float, side_mps: float) -> float:
-    """Force to the left of the furrow's wall, and of the turned slice beyond, on a tyre's flanks.
-
-    F = k penetration - c v_y, on the flank that touches, never a pull. The slice is loose: pressed
-    deeper than SLICE_M it gives way, and at twice that the tyre is on it and nothing pushes back.
-
-    Args:
-        field, wheel: parts of the block.
-        s_m, t_m: place of the wheel's centre on the ground.
-        side_mps: its speed to the left.
-    """
-    depth = -furrow(field, s_m, t_m)[0]
-    if depth <= 0.0:
-        return 0.0
-    side, half = field[Field.FURROW_SIDE], 0.5 * wheel[Wheel.WIDTH_M]
-    stiffness = field[Field.WALL_STIFFNESS_NPM] * depth
-    damping = field[Field.WALL_DAMPING_NSPM] * depth
-    place, edge = side * beside_pass(field, t_m), field[Field.FURROW_EDGE_M]
-    outward = side * side_mps
-    at_wall = edge - (place - half)
-    at_slice = place + half - (edge + field[Field.FURROW_WIDTH_M])
-    if at_wall > 0.0:
-        return side * max(0.0, stiffness * at_wall - damping * outward)
-    pressed = min(at_slice, 2.0 * SLICE_M - at_slice)
-    if pressed > 0.0:
-        return -side * max(0.0, stiffness * pressed + damping * outward)
-    return 0.0
+def not_zero(slip: float) -> float:
+    """The slip, kept off zero by LEAST_SLIP with its sign, so that a secant exists."""
+    size = math.sqrt(slip * slip + LEAST_SLIP * LEAST_SLIP)
+    return size if slip >= 0.0 else -size  # also of a negative zero
 
 
 @law
-def contact_shift_m(wheel: Array, camber_tangent: float, deflection_m: float) -> float:
-    """How far the load's centre moves along the axle of a leaning tyre, positive to the left.
-
-        e = -tan(gamma) b**2 / (12 delta)     within a quarter of the width
-
-    The centre of a pressure that grows linearly across the tread, towards the lower end of the
-    axle; tan(gamma) is positive with its left end raised.
-    """
-    width = wheel[Wheel.WIDTH_M]
-    shift = -camber_tangent * width * width / (12.0 * deflection_m)
-    return min(max(shift, -0.25 * width), 0.25 * width)
-
-
-@law
-def tread_point(wheel: Array, hub: Vector, axle: Vector, normal: Vector) -> Vector:
-    """The lowest point of the middle of the tread: where a leaning wheel meets the ground.
-
-    p = hub - r u        u = the normal's part across the axle, made a unit
-    """
-    up = rigid.minus(normal, rigid.scaled(rigid.dot(axle, normal), axle))
-    square = max(rigid.dot(up, up), LEAST_UPRIGHT_SQUARED)
-    return rigid.minus(hub, rigid.scaled(0.5 * wheel[Wheel.DIAMETER_M] / math.sqrt(square), up))
+def way_ahead(axle: Vector, normal: Vector) -> Vector:
+    """Unit vector in the ground along which a wheel rolls: (c x n) / |c x n|."""
+    across = rigid.cross(axle, normal)
+    return rigid.scaled(1.0 / max(math.sqrt(rigid.dot(across, across)), LEAST_SINE), across)
 
 
 @law
@@ -152,73 +131,140 @@ def roll_wheel(
 ) -> tuple[Vector, Vector]:
     """Force and torque of the ground on one wheel, at its hub; fills its slots, rates and powers.
 
+        N = |F_1 + F_2| + d_1 + d_2        d_i = -c/2 n . v_i, no ring pulls
+
+    F_i are the springs of the two rings (`twin.physics.contact`), n the direction of their sum,
+    v_i the velocity of each ring's lowest point. Shear acts where the tread meets the ground, P,
+    and its lateral slip is the velocity of P: of the tread, not of the hub. Along the wheel its arm
+    is the rolling radius. Motion resistance acts at the hub, against the hub's velocity.
+
     Returns:
         force, torque: world axes, tuples; zero for a lifted wheel.
     """
     body, tyre = int(wheel[Wheel.BODY]), int(wheel[Wheel.TYRE])
     hub, axle = rigid.row3(xpos, body), rigid.axis(xmat, body, 1)
-    normal = field_axis(field, Field.NORMAL)
-    above = rigid.dot(hub, normal)
-    s, t, _ = on_ground(field, tread_point(wheel, hub, axle, normal))
-    height, slope_s, slope_t = surface(field, nodes, s, t)
-    steepness = 1.0
-    if slope_s != 0.0 or slope_t != 0.0:
-        downhill = rigid.plus(
-            rigid.scaled(slope_s, field_axis(field, Field.AHEAD)),
-            rigid.scaled(slope_t, field_axis(field, Field.LEFT)),
-        )
-        normal = rigid.unit(rigid.minus(normal, downhill))
-        steepness = 1.0 / math.sqrt(1.0 + slope_s * slope_s + slope_t * slope_t)
-    ahead = rigid.unit(rigid.cross(axle, normal))
-    left = rigid.cross(normal, ahead)
     velocity = rigid.point_velocity(cvel, com, body, root, hub)
-    roll, side = rigid.dot(velocity, ahead), rigid.dot(velocity, left)
-    rising = rigid.dot(velocity, normal)
-    rate = rigid.dot(rigid.angular_velocity(cvel, body), axle)
-    camber = rigid.dot(axle, normal)  # sine: the left end of the axle raised
-    upright = math.sqrt(max(1.0 - camber * camber, LEAST_UPRIGHT_SQUARED))
-    over = max(above - height, 0.0)  # a hub in the ground presses its whole radius, not more
-    deflection = 0.5 * wheel[Wheel.DIAMETER_M] - over * steepness / upright
-    load = wheel[Wheel.STIFFNESS_NPM] * deflection - wheel[Wheel.DAMPING_NSPM] * rising
-    u_x, u_y = act[tyre], act[tyre + 1]
+    spinning = rigid.angular_velocity(cvel, body)
+    rate = rigid.dot(spinning, axle)
+    turning = rigid.minus(spinning, rigid.scaled(rate, axle))
+    plane = field_axis(field, Field.NORMAL)
+    up, upright = upward(axle, plane)
+    outer_m, width_m = 0.5 * wheel[Wheel.DIAMETER_M], wheel[Wheel.WIDTH_M]
+    tread = rigid.scaled(-outer_m, up)
+    s, t, _ = on_ground(field, rigid.plus(hub, tread))
+    bottom, slope_s, slope_t = furrow(field, s, t)
+    half_k, half_c = 0.5 * wheel[Wheel.STIFFNESS_NPM], 0.5 * wheel[Wheel.DAMPING_NSPM]
+    force_l, moment_l, overlap_l, energy_l = ring(
+        field, nodes, hub, bottom, axle, up, outer_m, half_k, RING * width_m
+    )
+    force_r, moment_r, overlap_r, energy_r = ring(
+        field, nodes, hub, bottom, axle, up, outer_m, half_k, -RING * width_m
+    )
+    force, torque = rigid.plus(force_l, force_r), rigid.plus(moment_l, moment_r)
+    lift = rigid.dot(force, plane)
+    if slope_s != 0.0 or slope_t != 0.0:  # the furrow's bottom is that under the tread's middle
+        downhill = rigid.plus(
+            rigid.scaled(-lift * slope_s, field_axis(field, Field.AHEAD)),
+            rigid.scaled(-lift * slope_t, field_axis(field, Field.LEFT)),
+        )
+        force = rigid.plus(force, downhill)
+        torque = rigid.plus(torque, rigid.cross(tread, downhill))
+    elastic = math.sqrt(rigid.dot(force, force))
     slots[:] = 0.0
-    slots[WheelSlot.RATE_RADPS] = rate
-    slots[WheelSlot.SPEED_X_MPS], slots[WheelSlot.SPEED_Y_MPS] = roll, side
-    radius = wheel[Wheel.FREE_ROLLING_RADIUS_M] - RADIUS_PER_DEFLECTION * max(deflection, 0.0)
-    slots[WheelSlot.ROLLING_RADIUS_M] = radius
+    slots[WheelSlot.SPRING_X_N], slots[WheelSlot.SPRING_Y_N] = force[0], force[1]
+    slots[WheelSlot.SPRING_Z_N] = force[2]
+    normal = rigid.scaled(1.0 / elastic, force) if elastic > 0.0 else plane
+    ahead = way_ahead(axle, normal)
+    left = rigid.cross(normal, ahead)
+    roll, side = rigid.dot(velocity, ahead), rigid.dot(velocity, left)
+    overlap = 0.5 * (max(overlap_l, 0.0) + max(overlap_r, 0.0))
+    deflection = min(overlap / upright, outer_m)
+    radius = wheel[Wheel.FREE_ROLLING_RADIUS_M] - RADIUS_PER_DEFLECTION * deflection
     spin = rate * radius
+    u_x, u_y = act[tyre], act[tyre + 1]
+    slots[WheelSlot.RATE_RADPS], slots[WheelSlot.ROLLING_RADIUS_M] = rate, radius
+    slots[WheelSlot.SPEED_X_MPS], slots[WheelSlot.SPEED_Y_MPS] = roll, side
     slots[WheelSlot.SLIP] = (spin - roll) / max(abs(spin), abs(roll), 0.05)
     slots[WheelSlot.SLIP_ANGLE_RAD] = math.atan2(-side, abs(roll))
-    if deflection <= 0.0 or load <= 1.0:
-        rates[tyre], rates[tyre + 1] = -u_x / LIFTED_S, -u_y / LIFTED_S
-        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    soil_at(field, soil, nodes, s, t, here)
-    x, y, resistance, rolling, sinkage, rates[tyre], rates[tyre + 1] = relaxed_shear(
-        here, wheel, load, spin, roll, side, u_x, u_y, dt_s
+    powers[PowerSlot.TYRE] -= rigid.dot(force, velocity) + rigid.dot(torque, turning)
+    load_l, damped_l, taken_l = damped(force_l, half_c, tread, RING * width_m, axle, normal,
+                                       velocity, turning)  # fmt: skip
+    load_r, damped_r, taken_r = damped(force_r, half_c, tread, -RING * width_m, axle, normal,
+                                       velocity, turning)  # fmt: skip
+    powers[PowerSlot.TYRE] += taken_l + taken_r
+    load = elastic + load_l + load_r
+    force = rigid.plus(force, rigid.scaled(load_l + load_r, normal))
+    torque = rigid.plus(torque, rigid.plus(damped_l, damped_r))
+    wall, wall_moment, wall_j, deeper, taken = wall_force(
+        field, wheel, hub, axle, velocity, turning, -bottom
     )
+    slots[WheelSlot.ELASTIC_J] = energy_l + energy_r + wall_j
+    if wall_j > 0.0:
+        shallower = rigid.plus(  # the wall is lower where the furrow is
+            rigid.scaled(deeper * slope_s, field_axis(field, Field.AHEAD)),
+            rigid.scaled(deeper * slope_t, field_axis(field, Field.LEFT)),
+        )
+        turned = rigid.cross(tread, shallower)
+        taken -= rigid.dot(shallower, velocity) + rigid.dot(turned, turning)
+        force = rigid.plus(force, rigid.plus(wall, shallower))
+        torque = rigid.plus(torque, rigid.plus(wall_moment, turned))
+        powers[PowerSlot.WALL] += taken
+        slots[WheelSlot.WALL_N] = rigid.dot(wall, left)
+    if load <= 1.0:
+        rates[tyre], rates[tyre + 1] = -u_x / LIFTED_S, -u_y / LIFTED_S
+        return force, without(torque, axle)
+    shift = RING * width_m * (
+        rigid.dot(force_l, normal) + load_l - rigid.dot(force_r, normal) - load_r
+    ) / load  # fmt: skip
+    meeting = rigid.plus(rigid.scaled(deflection - outer_m, up), rigid.scaled(shift, axle))
+    slip_side = side + rigid.dot(rigid.cross(turning, meeting), left)
+    slots[WheelSlot.SLIP_ANGLE_RAD] = math.atan2(-slip_side, abs(roll))
+    soil_at(field, soil, nodes, s, t, here)
+    x, y, resistance, rolling, sinkage, rates[tyre], rates[tyre + 1], sheared_j = relaxed_shear(
+        here, wheel, load, spin, roll, slip_side, u_x, u_y, dt_s
+    )
+    slots[WheelSlot.ELASTIC_J] += sheared_j
     resistance *= smooth_sign(roll, SIGN_SPEED_MPS)
     moment = rolling * radius * smooth_sign(spin, SIGN_SPEED_MPS)
-    wall = wall_force(field, wheel, s, t, side)
     slots[WheelSlot.LOAD_N], slots[WheelSlot.DEFLECTION_M] = load, deflection
     slots[WheelSlot.SHEAR_X_N], slots[WheelSlot.SHEAR_Y_N] = x, y
     slots[WheelSlot.RESISTANCE_N], slots[WheelSlot.ROLLING_MOMENT_NM] = resistance, moment
-    slots[WheelSlot.SINKAGE_M], slots[WheelSlot.WALL_N] = sinkage, wall
+    slots[WheelSlot.SINKAGE_M] = sinkage
     powers[PowerSlot.SLIP_LONG] += x * (spin - roll)
-    powers[PowerSlot.SLIP_LAT] -= y * side
+    powers[PowerSlot.SLIP_LAT] -= y * slip_side
     powers[PowerSlot.ROLLING] += resistance * roll + moment * rate
-    powers[PowerSlot.TYRE] -= load * rising
-    powers[PowerSlot.WALL] -= wall * side
-    force = rigid.plus(
-        rigid.scaled(x - resistance, ahead),
-        rigid.plus(rigid.scaled(y + wall, left), rigid.scaled(load, normal)),
-    )
-    # about the rolling direction the forces act at the contact, the wall's half way up its height;
-    # about the axle the shear's arm is the rolling radius
-    loaded = 0.5 * wheel[Wheel.DIAMETER_M] - deflection
-    overturning = (
-        loaded * (upright * y + camber * load)
-        + contact_shift_m(wheel, camber / upright, deflection) * (upright * load - camber * y)
-        + (loaded * upright + 0.5 * min(height, 0.0)) * wall
-    )
-    torque = rigid.plus(rigid.scaled(-x * radius - moment, axle), rigid.scaled(overturning, ahead))
-    return force, torque
+    across = rigid.scaled(y, left)
+    force = rigid.plus(force, rigid.plus(rigid.scaled(x - resistance, ahead), across))
+    torque = without(rigid.plus(torque, rigid.cross(meeting, across)), axle)
+    return force, rigid.plus(torque, rigid.scaled(-x * radius - moment, axle))
+
+
+@law
+def damped(
+    spring: Vector,
+    damping_nspm: float,
+    tread: Vector,
+    aside_m: float,
+    axle: Vector,
+    normal: Vector,
+    velocity: Vector,
+    turning: Vector,
+) -> tuple[float, Vector, float]:
+    """Damper of one ring, along the normal at its lowest point; it never pulls more than pushed.
+
+    Returns:
+        force_n along the normal (negative while the ring springs back), moment, power_w taken.
+    """
+    pushed = math.sqrt(rigid.dot(spring, spring))
+    if pushed <= 0.0:
+        return 0.0, (0.0, 0.0, 0.0), 0.0
+    arm = rigid.plus(tread, rigid.scaled(aside_m, axle))
+    rising = rigid.dot(normal, rigid.plus(velocity, rigid.cross(turning, arm)))
+    force = max(-damping_nspm * rising, -pushed)
+    return force, rigid.scaled(force, rigid.cross(arm, normal)), -force * rising
+
+
+@law
+def without(vector: Vector, axle: Vector) -> Vector:
+    """The part of a moment across the axle: v - (v . c) c."""
+    return rigid.minus(vector, rigid.scaled(rigid.dot(vector, axle), axle))

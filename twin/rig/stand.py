@@ -67,8 +67,8 @@ def stand(
     spec.nuserdata = block.RATE_SLOTS + 16
     spec.add_numeric(name="tractor_twin", size=block.SIZE, data=[0.0] * block.SIZE)
     model = spec.compile()
-    damping = {Wheel.DAMPING_NSPM: heave_kg * HEAVE_RADPS}
-    model.numeric_data[-block.SIZE :] = _block(model, {**sizes, **damping}, soil, radial)
+    own = {Wheel.DAMPING_NSPM: heave_kg * HEAVE_RADPS, Wheel.NOMINAL_LOAD_N: load_n}
+    model.numeric_data[-block.SIZE :] = _block(model, {**sizes, **own}, soil, radial)
     return model
 
 

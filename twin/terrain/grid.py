@@ -1,4 +1,4 @@
-"""A map: values on a square grid over the ground, linear between its nodes."""
+"""A map: values on a square grid over the ground, quadratic B-splines over its nodes."""
 
 from __future__ import annotations
 
@@ -28,8 +28,9 @@ class GridMap:
     """Whether it goes on without end; if not, its border does."""
 
     def at(self, s_m: Array, t_m: Array) -> Array:
-        """Values at places on the ground; arrays of one shape."""
+        """Values at places on the ground, as `twin.physics.ground.on_map`; arrays of one shape."""
         row = (np.asarray(t_m) - self.right_m) / self.cell_m
         column = (np.asarray(s_m) - self.start_m) / self.cell_m
         mode: Literal["grid-wrap", "nearest"] = "grid-wrap" if self.repeats else "nearest"
-        return map_coordinates(self.nodes, np.stack([row, column]), order=1, mode=mode)
+        place = np.stack([row, column])
+        return map_coordinates(self.nodes, place, order=2, prefilter=False, mode=mode)

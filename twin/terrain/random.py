@@ -28,8 +28,8 @@ def rough_heights(roughness_class: str, shape: tuple[int, int], rng: Generator) 
     G_d(n) = G_d(n0) (n / n0)**-2       n0 = 0.1 cycles/m, between the longest wave and the shortest
 
     An isotropic surface with the density Phi(k) = G_d(n0) n0**2 / (4 k**3) over both wave numbers
-    has it: 2 Phi integrated over the wave number across. Waves are made larger by what linear
-    interpolation between the nodes takes from them.
+    has it: 2 Phi integrated over the wave number across. Waves are made larger by what the splines
+    over the nodes take from them.
 
     Args:
         roughness_class: one of twin.scenario.ROUGHNESS.
@@ -41,7 +41,7 @@ def rough_heights(roughness_class: str, shape: tuple[int, int], rng: Generator) 
     within = (k >= 1.0 / LONGEST_M) & (k <= 1.0 / SHORTEST_M)
     scale = ROUGHNESS[roughness_class] * 0.1**2 / 4.0
     density = np.where(within, scale / np.where(within, k, 1.0) ** 3, 0.0)
-    lost = (np.sinc(across * CELL_M)[:, None] * np.sinc(along * CELL_M)[None, :]) ** 2
+    lost = (np.sinc(across * CELL_M)[:, None] * np.sinc(along * CELL_M)[None, :]) ** 3
     return _waves(np.sqrt(density) / lost, shape, CELL_M, rng)
 
 
