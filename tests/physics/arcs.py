@@ -7,7 +7,7 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from tests.physics.blocks import filled
+from tests.physics.blocks import filled, with_tread
 from twin.physics.block import Soil, Wheel
 
 SOILS = {  # k_c, k_phi [kN, m], n, c [kPa], phi [deg], K [m]
@@ -38,8 +38,7 @@ def sinking(k_c, k_phi, n, c_kpa, phi_deg, shear_m, **own):
 
 
 def rigid_wheel(radius_m=0.45, width_m=0.30):
-    return filled(
-        Wheel.SIZE,
+    return with_tread(
         {
             Wheel.WIDTH_M: width_m,
             Wheel.DIAMETER_M: 2.0 * radius_m,

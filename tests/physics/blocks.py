@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from twin.machine.tread import tread_part
 from twin.physics.block import Coupling, Engine, Field, Plough, Soil, Wheel
 
 
@@ -26,10 +27,14 @@ def soil(*, cone_index_kpa=1000.0, radial=False, **own):
     return filled(Soil.SIZE, values | {Soil[name.upper()]: x for name, x in own.items()})
 
 
+def with_tread(values):
+    """A wheel's numbers and those derived of them."""
+    return filled(Wheel.SIZE, values | tread_part(values))
+
+
 def wheel():
     """18.4-38 bias tyre: b 0.467 m, d 1.755 m, deflection a fifth of the section height."""
-    return filled(
-        Wheel.SIZE,
+    return with_tread(
         {
             Wheel.WIDTH_M: 0.467,
             Wheel.DIAMETER_M: 1.755,

@@ -9,10 +9,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.machine import memory
 from twin.machine.files import model_path
 from twin.machine.ground_frame import quaternion, world_from_ground
 from twin.machine.hitch import Hitch
-from twin.machine.parameters import parameter_block
+from twin.machine.parameters import parameter_block, wheel_radii_m
 from twin.machine.plough_setting import furrow_roll_rad, levelled, set_plough
 from twin.machine.start import settled, standing, unloaded_speed_mps, unsettled
 from twin.physics import block
@@ -20,7 +21,7 @@ from twin.physics.callback import install
 from twin.scenario import Scenario
 from twin.terrain.grid import GridMap
 from twin.terrain.maps import ground_maps
-from twin.terrain.place import add_map, show_heights
+from twin.terrain.place import add_envelopes, add_map, show_heights
 
 Array = NDArray[np.float64]
 
@@ -78,7 +79,7 @@ def build(scenario: Scenario, *, looks: bool = False, settle: bool = True) -> Ma
             rim.contype = rim.conaffinity = 0
     rotation = world_from_ground(scenario.field, scenario.course)
     maps = ground_maps(scenario)
-    _add_ground(spec, rotation, maps)
+    _add_ground(spec, rotation, maps, numbers)
     _add_activations(spec)
     if scenario.plough is not None:
         spec.body("plough.frame").quat = levelled(furrow_roll_rad(scenario, spec))
@@ -120,7 +121,9 @@ def _leave_plough(spec: Any) -> None:
     spec.delete(spec.body("plough.frame"))
 
 
-def _add_ground(spec: Any, rotation: Array, maps: dict[str, GridMap]) -> None:
+def _add_ground(
+    spec: Any, rotation: Array, maps: dict[str, GridMap], numbers: dict[str, float]
+) -> None:
     """The plane that catches what is not a wheel, below all heights; and the maps."""
     for name, grid in maps.items():
         add_map(spec, name, grid)
@@ -128,6 +131,7 @@ def _add_ground(spec: Any, rotation: Array, maps: dict[str, GridMap]) -> None:
     if heights is not None:
         lowest_m = float(heights.nodes.min())
         show_heights(spec, heights, rotation, quaternion(rotation))
+        add_envelopes(spec, heights, wheel_radii_m(numbers))
     spec.worldbody.add_geom(
         name="ground",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
@@ -141,19 +145,16 @@ def _add_ground(spec: Any, rotation: Array, maps: dict[str, GridMap]) -> None:
 
 
 def _add_activations(spec: Any) -> None:
-    """Deflections of tyres and soil, and wind-ups: activations whose rates our callback gives."""
-    names = [f"{w}_tyre_{axis}" for w in block.WHEELS for axis in "xy"]
-    names += [f"{c}_windup" for c in block.COUPLINGS]
-    shares = [s.name for s in spec.sites if s.name.startswith("plough.share_")]
-    names += [f"plough.soil_{i + 1}_{axis}" for i in range(len(shares)) for axis in "xy"]
-    for name in names:
-        actuator = spec.add_actuator(
-            name=name,
-            trntype=mujoco.mjtTrn.mjTRN_JOINT,
-            target="drive",
-            dyntype=mujoco.mjtDyn.mjDYN_USER,
-        )
-        actuator.gainprm[0] = 0.0
+    """One actuator that moves nothing and holds what the laws remember: `twin.machine.memory`."""
+    shares = sum(site.name.startswith("plough.share_") for site in spec.sites)
+    spec.add_actuator(
+        name=memory.ACTUATOR,
+        trntype=mujoco.mjtTrn.mjTRN_JOINT,
+        target="drive",
+        dyntype=mujoco.mjtDyn.mjDYN_USER,
+        actdim=len(memory.names(shares)),
+        gainprm=[0.0] * 10,
+    )
 
 
 def _activation_count(spec: Any) -> int:

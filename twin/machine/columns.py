@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 WHEEL_COLUMNS = {
     "rolling_radius_m": WheelSlot.ROLLING_RADIUS_M,
     "slip": WheelSlot.SLIP,
-    "slip_angle_rad": WheelSlot.SLIP_ANGLE_RAD,
+    "tread_speed_y_mps": WheelSlot.TREAD_SPEED_Y_MPS,
     "load_n": WheelSlot.LOAD_N,
     "shear_x_n": WheelSlot.SHEAR_X_N,
     "shear_y_n": WheelSlot.SHEAR_Y_N,
@@ -99,6 +99,9 @@ class Recorder:
         columns |= {name: wheels[:, :, slot] for name, slot in WHEEL_COLUMNS.items()}
         columns |= {name: machine[:, slot] for name, slot in MACHINE_COLUMNS.items()}
         columns |= {name: powers[:, slot] for name, slot in POWER_COLUMNS.items()}
+        columns["slip_angle_rad"] = np.arctan2(
+            -columns["tread_speed_y_mps"], np.abs(columns["wheel_speed_x_mps"])
+        )
         linkage = "hitch_rad" in self.sensors
         none = np.zeros(len(slots))
         columns["hitch_rad"] = sensor("hitch_rad") if linkage else none

@@ -35,6 +35,7 @@ from numba import types
 from numpy.typing import NDArray
 
 from twin.errors import BadInput, TwinError
+from twin.machine.memory import name_of
 from twin.physics import block
 from twin.physics.block import Head, MachineSlot, PowerSlot, Soil, WheelSlot
 from twin.physics.callback import install
@@ -234,7 +235,7 @@ def _fault(model: Any, state: Any) -> tuple[str, float] | None:
     looked_at = (
         (state.userdata, math.inf, _slot),
         (state.qfrc_passive, math.inf, lambda m, k: f"passive force on {_dof(m, k)}"),
-        (state.act, math.inf, lambda m, k: f"activation of {_activation(m, k)}"),
+        (state.act, math.inf, lambda m, k: f"activation of {name_of(m, k)}"),
         (state.qacc, mujoco.mjMAXVAL, lambda m, k: f"acceleration of {_dof(m, k)}"),
         (state.qvel, mujoco.mjMAXVAL, lambda m, k: f"velocity of {_dof(m, k)}"),
         (state.qpos, mujoco.mjMAXVAL, lambda m, k: f"position of {_coordinate(m, k)}"),
@@ -258,11 +259,7 @@ def _slot(model: Any, k: int) -> str:
         return f"power {PowerSlot(k - block.POWER_SLOTS).name.lower()}"
     if k < block.RATE_SLOTS:
         return f"soil {Soil(k - block.SCRATCH_SLOTS).name.lower()} under a wheel or share"
-    return f"rate of {_activation(model, k - block.RATE_SLOTS)}"
-
-
-def _activation(model: Any, k: int) -> str:
-    return str(model.actuator(int(np.flatnonzero(model.actuator_actadr == k)[0])).name)
+    return f"rate of {name_of(model, k - block.RATE_SLOTS)}"
 
 
 def _dof(model: Any, k: int) -> str:

@@ -11,15 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.errors import BadInput
+from twin.machine import memory
+from twin.machine.tread import tread_part
 from twin.physics import block
-from twin.physics.block import Coupling, Engine, Field, Head, Plough, Soil, Wheel
+from twin.physics.block import Coupling, Engine, Envelope, Field, Head, Plough, Soil, Wheel
 from twin.physics.laws import law_number
 from twin.scenario import FURROW_SIDES, Scenario
 from twin.scenario import Plough as Setting
 from twin.scenario import Soil as Ground
 from twin.soils import Deformable
 from twin.terrain.grid import GridMap
-from twin.terrain.place import grid_part
+from twin.terrain.place import first_envelope, grid_part
 
 Array = NDArray[np.float64]
 
@@ -57,6 +59,8 @@ def parameter_block(
     for name, at in MAPS.items():
         if name in maps:
             parts.append((block.FIELD, grid_part(model, name, maps[name], at)))
+    if "heights" in maps:
+        parts.append((block.FIELD, {Field.ENVELOPES: first_envelope(model)}))
     for i, name in enumerate(block.COUPLINGS):
         part = _coupling(model, name, numbers, scenario.drive.gear_ratio)
         parts.append((block.COUPLING + i * Coupling.SIZE, part))
@@ -69,6 +73,12 @@ def parameter_block(
         for index, value in part.items():
             out[start + index] = value
     return out
+
+
+def wheel_radii_m(numbers: dict[str, float]) -> tuple[float, ...]:
+    """Radii of what rolls on the ground, in the order of `twin.physics.block.Envelope`."""
+    radii = [0.5 * numbers[f"tyre_{axle}.diameter_m"] for axle in ("front", "rear")]
+    return (*radii, numbers.get("plough.depth_wheel.radius_m", radii[0]))
 
 
 def soil_part(soil: Ground) -> dict[Any, float]:
@@ -171,21 +181,18 @@ def _wheel(
     model: Any, wheel: str, numbers: dict[str, float], front_grip: float
 ) -> dict[Any, float]:
     axle = "front" if wheel[0] == "f" else "rear"
-    sizes = tuple(f for f in Wheel if Wheel.WIDTH_M <= f < Wheel.SIZE)
+    sizes = tuple(f for f in Wheel if Wheel.WIDTH_M <= f <= Wheel.NOMINAL_LOAD_N)
     named = _named(numbers, f"tyre_{axle}", sizes)
     if axle == "front":
         named[Wheel.LATERAL_RATIO] *= front_grip
     return {
         Wheel.BODY: model.body(f"{wheel}_wheel").id,
         Wheel.SPIN: int(model.joint(f"{wheel}_spin").dofadr[0]),
-        Wheel.TYRE: _activation(model, f"{wheel}_tyre_x"),
+        Wheel.ENVELOPE: Envelope.FRONT if axle == "front" else Envelope.REAR,
+        Wheel.TYRE: memory.address(model, f"{wheel}_tyre_x"),
         **named,
+        **tread_part(named),
     }
-
-
-def _activation(model: Any, actuator: str) -> int:
-    """Address of an actuator's activation."""
-    return int(model.actuator_actadr[model.actuator(actuator).id])
 
 
 def _engine(scenario: Scenario, model: Any, numbers: dict[str, float]) -> dict[Any, float]:
@@ -209,7 +216,7 @@ def _coupling(
         own[Coupling.CAPACITY_NM] *= gear_ratio
     return {
         Coupling.CONTROL: model.actuator(CONTROLS.get(kind, "brake")).id,
-        Coupling.WINDUP: _activation(model, f"{name}_windup"),
+        Coupling.WINDUP: memory.address(model, f"{name}_windup"),
         **own,
     }
 
@@ -219,7 +226,7 @@ def _plough(model: Any, numbers: dict[str, float], setting: Setting) -> dict[Any
     laws = tuple(f for f in Plough if f < Plough.WHEEL_RADIUS_M)
     wheel = tuple(f for f in Plough if Plough.WHEEL_RADIUS_M <= f < Plough.SOIL_STIFFNESS_NPM)
     out = _named(numbers, "plough", (*laws, Plough.SOIL_STIFFNESS_NPM))
-    out[Plough.SOIL] = _activation(model, "plough.soil_1_x")
+    out[Plough.SOIL] = memory.address(model, "soil_1_x")
     for f in wheel:
         out[f] = _number(numbers, "plough." + f.name.lower().replace("wheel_", "depth_wheel."))
     side = FURROW_SIDES[setting.furrow]

@@ -68,7 +68,8 @@ class Field(IntEnum):
     HEIGHTS = 25 + 4 * 4  # a Grid: height above the plane [m]
     MIXTURE = HEIGHTS + 9  # a Grid: share of the other soil [-]
     OTHER = MIXTURE + 9  # that soil, as Soil numbers its own
-    SIZE = OTHER + 23
+    ENVELOPES = OTHER + 23  # first node of the heights as wheels feel them, laid as HEIGHTS
+    SIZE = ENVELOPES + 1
 
 
 class Soil(IntEnum):
@@ -117,7 +118,21 @@ class Wheel(IntEnum):
     LATERAL_RATIO = 11
     SHEAR_DAMPING_S = 12  # damping of the deflections, over load and relaxation length
     NOMINAL_LOAD_N = 13  # at which the relaxation lengths hold, on firm soil
-    SIZE = 14
+    SHEAR_LONG_NPM = 14  # from here on derived of these: springs between tread and rim,
+    SHEAR_LAT_NPM = 15
+    SHEAR_DAMPING_LONG_SPM = 16  # and their dampers over the load
+    SHEAR_DAMPING_LAT_SPM = 17
+    ENVELOPE = 18  # which of the envelopes is that of its radius
+    SIZE = 19
+
+
+class Envelope(IntEnum):
+    """Radii whose envelopes stand one after another, each along and then across the ground."""
+
+    FRONT = 0
+    REAR = 1
+    DEPTH_WHEEL = 2
+    SIZE = 3
 
 
 class Engine(IntEnum):
@@ -172,9 +187,10 @@ class Plough(IntEnum):
     SOIL_STIFFNESS_NPM = 11  # of the soil before one body, until it fails
     SOIL = 12  # activation of the first body's displacement ahead; sideways and the others follow
     SHARES = 13  # x, y, z of each share tip in the plough's frame
-    SIZE = 13 + 3 * 6
+    SIZE = 13 + 3 * 6  # room for MOST_SHARES
 
 
+MOST_SHARES = 6
 FIELD = int(Head.SIZE)
 SOIL = FIELD + int(Field.SIZE)
 WHEEL = SOIL + int(Soil.SIZE)
@@ -188,7 +204,7 @@ class WheelSlot(IntEnum):
     """What the callback reports of one wheel."""
 
     SLIP = 0
-    SLIP_ANGLE_RAD = 1
+    TREAD_SPEED_Y_MPS = 1  # of the tread to the left, where it meets the ground
     LOAD_N = 2
     SHEAR_X_N = 3
     SHEAR_Y_N = 4
@@ -197,7 +213,7 @@ class WheelSlot(IntEnum):
     SINKAGE_M = 7
     ROLLING_RADIUS_M = 8
     DEFLECTION_M = 9
-    SPEED_X_MPS = 10
+    SPEED_X_MPS = 10  # of the hub, along its rolling direction and to the left
     SPEED_Y_MPS = 11
     RATE_RADPS = 12
     WALL_N = 13

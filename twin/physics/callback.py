@@ -20,6 +20,7 @@ from twin.physics import block, layout, memory, rigid
 from twin.physics.block import (
     Coupling,
     Engine,
+    Envelope,
     Field,
     Head,
     MachineSlot,
@@ -30,7 +31,7 @@ from twin.physics.block import (
     WheelSlot,
 )
 from twin.physics.compiled import c_callback, law
-from twin.physics.contact import ring
+from twin.physics.contact import felt_height
 from twin.physics.coupling import twist
 from twin.physics.engine import (
     axle_torque_nm,
@@ -60,7 +61,8 @@ TIMESTEP = _("mjModel", "opt.timestep")
 NUMERIC_ADR, NUMERIC_SIZE, NUMERIC_DATA = (
     _("mjModel", n) for n in ("numeric_adr", "numeric_size", "numeric_data")
 )
-ACTUATOR_ACTADR = _("mjModel", "actuator_actadr")
+ACTUATOR_ACTADR, ACTUATOR_ACTNUM = (_("mjModel", n) for n in ("actuator_actadr", "actuator_actnum"))
+ACT_DOT = _("mjData", "act_dot")
 BODY_DOFADR, BODY_DOFNUM, BODY_PARENTID, BODY_ROOTID, DOF_PARENTID = (
     _("mjModel", n)
     for n in ("body_dofadr", "body_dofnum", "body_parentid", "body_rootid", "dof_parentid")
@@ -214,10 +216,21 @@ def roll_depth_wheel(
     hub, normal = rigid.row3(xpos, wheel), field_axis(field, Field.NORMAL)
     across = rigid.axis(xmat, frame, 1)
     axle = rigid.unit(rigid.minus(across, rigid.scaled(rigid.dot(across, normal), normal)))
-    spring, _, _, energy = ring(
-        field, nodes, hub, 0.0, axle, normal, plough[Plough.WHEEL_RADIUS_M],
-        plough[Plough.WHEEL_STIFFNESS_NPM], 0.0,
-    )  # fmt: skip
+    height, slope_s, slope_t, _ = felt_height(
+        field, nodes, Envelope.DEPTH_WHEEL, hub, rigid.cross(axle, normal)
+    )
+    overlap = height + plough[Plough.WHEEL_RADIUS_M] - rigid.dot(hub, normal)
+    spring, energy = (0.0, 0.0, 0.0), 0.0
+    if overlap > 0.0:
+        press = plough[Plough.WHEEL_STIFFNESS_NPM] * overlap
+        energy = 0.5 * press * overlap
+        spring = rigid.plus(
+            rigid.scaled(press, normal),
+            rigid.plus(
+                rigid.scaled(-press * slope_s, field_axis(field, Field.AHEAD)),
+                rigid.scaled(-press * slope_t, field_axis(field, Field.LEFT)),
+            ),
+        )
     pushed = math.sqrt(rigid.dot(spring, spring))
     if pushed > 0.0:
         normal = rigid.scaled(1.0 / pushed, spring)
@@ -370,15 +383,20 @@ def ground_forces(model: Any, data: Any) -> None:
 
 
 @law
-def activation_rate(model: Any, data: Any, actuator: int) -> float:
-    """Rate of one of our activations, as the passive callback left it; 0 for a foreign model."""
+def activation_rates(model: Any, data: Any, actuator: int) -> float:
+    """Write the rates of an actuator's activations, as the passive callback left them.
+
+    MuJoCo takes what is returned where an actuator has one activation, and else what is written.
+    """
     address = find_block(model)
     if address < 0:
         return 0.0
-    rate_slots = int(memory.doubles(model, NUMERIC_DATA)[address + Head.RATES])
-    return memory.doubles(data, USERDATA)[
-        rate_slots + memory.ints(model, ACTUATOR_ACTADR)[actuator]
-    ]
+    first = memory.ints(model, ACTUATOR_ACTADR)[actuator]
+    slot = int(memory.doubles(model, NUMERIC_DATA)[address + Head.RATES]) + first
+    rates, out = memory.doubles(data, USERDATA), memory.doubles(data, ACT_DOT)
+    for i in range(memory.ints(model, ACTUATOR_ACTNUM)[actuator]):
+        out[first + i] = rates[slot + i]
+    return rates[slot]
 
 
 @cache
@@ -399,7 +417,7 @@ def _passive(model: Any, data: Any) -> None:
 
 
 def _act_dyn(model: Any, data: Any, actuator: Any) -> Any:
-    return activation_rate(model, data, actuator)
+    return activation_rates(model, data, actuator)
 
 
 def install() -> None:

@@ -5,8 +5,13 @@ leaning tread the moment of a tread that is sprung all over its width. Every for
 gradient of the energy its springs hold, so that rolling over any ground neither makes nor loses
 energy; dampers and friction come on top of it.
 
+On uneven ground a ring touches at the nearest point of its arc. Where that is does not depend on
+the load, so the heights that a hub feels are made beforehand, one map for each radius
+(`twin.terrain.envelope`), and looked up under the hub.
+
 Directions: n the normal of the ground's plane, c the wheel's axle, u the direction in the wheel's
-plane nearest to n, a = c x u. Vectors are in world axes.
+plane nearest to n, a = c x u; s and t run along the ground and to its left. Vectors are in world
+axes.
 """
 
 from __future__ import annotations
@@ -14,21 +19,18 @@ from __future__ import annotations
 import math
 
 from twin.physics import rigid
-from twin.physics.block import Field, Grid
+from twin.physics.block import Field, Grid, Wheel
 from twin.physics.compiled import law
-from twin.physics.ground import field_axis, on_ground, on_map
+from twin.physics.ground import field_axis, on_nodes, smooth_step
 from twin.physics.shapes import Array, Vector
 
 RING = 1.0 / math.sqrt(12.0)
 """Distance of a ring from the tyre's middle over the tyre's width: Gauss' rule of two points."""
 LEAST_UPRIGHT = 0.01
 """u . n of a wheel that lies on its side, whose tread has no place on the ground."""
-ARC_POINTS = 12
-"""Points of a ring's outline that look for uneven ground."""
-ARC_REACH = 0.6
-"""How far they reach to each side of the hub, over the radius."""
-EVEN_ARC = 32.0 / 35.0 * math.sqrt(2.0)
-"""Integral of the overlap's cube along the arc on even ground, over sqrt(R) delta**3.5."""
+TURNED_FROM, TURNED_OVER = 0.1, 0.8
+"""Sine of the heading on the ground from which, and over which, a wheel passes from the envelope
+along the ground to that across it."""
 
 
 @law
@@ -44,125 +46,95 @@ def upward(axle: Vector, normal: Vector) -> tuple[Vector, float]:
 
 
 @law
-def ring_on_plane(
-    above_m: float, radius_m: float, stiffness_npm: float, offset: Vector, normal: Vector
-) -> tuple[Vector, Vector, float, float]:
-    """One ring on even ground.
+def felt_height(
+    field: Array, nodes: Array, envelope: int, place: Vector, along: Vector
+) -> tuple[float, float, float, float]:
+    """Height of the ground as a wheel of one radius feels it under its hub.
 
-        delta = R (u . n) + w (c . n) - h        F = k min(delta, R) n
-        U = k delta**2 / 2, from delta = R on k R (delta - R / 2)
-
-    Args:
-        above_m: height of the hub above the ground, h.
-        radius_m: R; deeper than that the force grows no further.
-        stiffness_npm: k of this ring.
-        offset: of its lowest point from the hub, -R u + w c.
-        normal: n.
-
-    Returns:
-        force, moment about the hub, overlap_m (positive in contact), energy_j.
-    """
-    overlap = -(above_m + rigid.dot(offset, normal))
-    if overlap <= 0.0:
-        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), overlap, 0.0
-    pressed = min(overlap, radius_m)
-    force = rigid.scaled(stiffness_npm * pressed, normal)
-    energy = stiffness_npm * pressed * (overlap - 0.5 * pressed)
-    return force, rigid.cross(offset, force), overlap, energy
-
-
-@law
-def ring_on_map(
-    field: Array,
-    nodes: Array,
-    hub: Vector,
-    raised_m: float,
-    axle: Vector,
-    up: Vector,
-    radius_m: float,
-    stiffness_npm: float,
-    aside_m: float,
-) -> tuple[Vector, Vector, float, float]:
-    """One ring on the height map, along the arc of its outline: an enveloping contact.
-
-        p_j   = hub + x_j a - (R - x_j**2 / (2 R)) u + w c        o_j = g(p_j) - p_j . n
-        B     = sum over o_j > 0 of o_j**3 dx
-        delta = (B / (32/35 sqrt(2 R)))**(2/7)                    U = k delta**2 / 2
-        f_j   = 6/7 k delta**2 / B o_j**2 dx (n - dg/ds s - dg/dt t)
-
-    delta is the overlap with the even ground that holds the same B, so that on even ground
-    F = k delta (within 1 % from 2 % of the radius on). A contact of equal overlap is the idea of
-    Sui and Hirshey 2001 (A new analytical tire model for vehicle dynamic analysis), who take its
-    area. With the cube the deepest points count most, and a point of the outline begins to touch
-    without a jump of the force.
+        g = (1 - q) g_along + q g_across        q from the wheel's heading a on the ground
 
     Args:
         field, nodes: the ground's part of the block, and the model's hfield_data.
-        hub, axle, up: c and u of the wheel.
-        raised_m: what the ground is raised by beside its map: the furrow's bottom.
-        radius_m, stiffness_npm, aside_m: R, k and w of this ring.
+        envelope: which radius (`twin.physics.block.Envelope`).
+        place: a point above or below the place, world axes.
+        along: a.
 
     Returns:
-        as `ring_on_plane`; the moment without its part about the axle, which a disc has not.
+        g, dg/ds, dg/dt, and dg/dpsi of the heading psi.
     """
-    normal = field_axis(field, Field.NORMAL)
+    if field[Field.HEIGHTS + Grid.RANGE] == 0.0:
+        return field[Field.HEIGHTS + Grid.LOW], 0.0, 0.0, 0.0
     s_axis, t_axis = field_axis(field, Field.AHEAD), field_axis(field, Field.LEFT)
-    along = rigid.cross(axle, up)
-    step = 2.0 * ARC_REACH * radius_m / ARC_POINTS
-    cube = lift = push_s = push_t = 0.0
-    moment = (0.0, 0.0, 0.0)
-    for j in range(ARC_POINTS):
-        x = (j + 0.5) * step - ARC_REACH * radius_m
-        down = 0.5 * x * x / radius_m - radius_m
-        arm = rigid.plus(
-            rigid.scaled(x, along), rigid.plus(rigid.scaled(down, up), rigid.scaled(aside_m, axle))
-        )
-        s, t, above = on_ground(field, rigid.plus(hub, arm))
-        height, slope_s, slope_t = on_map(field, Field.HEIGHTS, nodes, s, t)
-        overlap = raised_m + height - above
-        if overlap <= 0.0:
-            continue
-        square = overlap * overlap
-        cube += overlap * square * step
-        lift += square
-        push_s -= square * slope_s
-        push_t -= square * slope_t
-        here = rigid.minus(
-            normal, rigid.plus(rigid.scaled(slope_s, s_axis), rigid.scaled(slope_t, t_axis))
-        )
-        moment = rigid.plus(moment, rigid.cross(arm, rigid.scaled(square, here)))
-    if cube <= 0.0:
-        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0
-    overlap = (cube / (EVEN_ARC * math.sqrt(radius_m))) ** (2.0 / 7.0)
-    pressed = min(overlap, radius_m)
-    per_square = 6.0 / 7.0 * stiffness_npm * pressed * overlap / cube * step
-    force = rigid.plus(
-        rigid.scaled(per_square * lift, normal),
-        rigid.plus(
-            rigid.scaled(per_square * push_s, s_axis), rigid.scaled(per_square * push_t, t_axis)
-        ),
+    s, t = rigid.dot(place, s_axis), rigid.dot(place, t_axis)
+    count = int(field[Field.HEIGHTS + Grid.ROWS] * field[Field.HEIGHTS + Grid.COLUMNS])
+    first = int(field[Field.ENVELOPES]) + 2 * envelope * count
+    height, slope_s, slope_t = on_nodes(field, Field.HEIGHTS, first, nodes, s, t)
+    sine = rigid.dot(along, t_axis)
+    if abs(sine) <= TURNED_FROM:
+        return height, slope_s, slope_t, 0.0
+    share, growth = smooth_step((abs(sine) - TURNED_FROM) / TURNED_OVER)
+    across, across_s, across_t = on_nodes(field, Field.HEIGHTS, first + count, nodes, s, t)
+    cosine = math.copysign(1.0, sine) * rigid.dot(along, s_axis)
+    return (
+        height + share * (across - height),
+        slope_s + share * (across_s - slope_s),
+        slope_t + share * (across_t - slope_t),
+        growth * cosine / TURNED_OVER * (across - height),
     )
-    turning = rigid.minus(moment, rigid.scaled(rigid.dot(moment, axle), axle))
-    energy = stiffness_npm * pressed * (overlap - 0.5 * pressed)
-    return force, rigid.scaled(per_square, turning), overlap, energy
 
 
 @law
 def ring(
     field: Array,
     nodes: Array,
+    wheel: Array,
     hub: Vector,
     raised_m: float,
     axle: Vector,
     up: Vector,
-    radius_m: float,
-    stiffness_npm: float,
     aside_m: float,
-) -> tuple[Vector, Vector, float, float]:
-    """One ring on the ground as it is: `ring_on_map` where heights vary, else `ring_on_plane`."""
-    if field[Field.HEIGHTS + Grid.RANGE] != 0.0:
-        return ring_on_map(field, nodes, hub, raised_m, axle, up, radius_m, stiffness_npm, aside_m)
-    normal = field_axis(field, Field.NORMAL)
-    offset = rigid.plus(rigid.scaled(-radius_m, up), rigid.scaled(aside_m, axle))
-    above = rigid.dot(hub, normal) - raised_m - field[Field.HEIGHTS + Grid.LOW]
-    return ring_on_plane(above, radius_m, stiffness_npm, offset, normal)
+) -> tuple[Vector, Vector, float, float, float]:
+    """One of a tyre's two rings on the ground.
+
+        p = -R u + w c        delta = g - (hub + p) . n        U = k/2 delta**2 / 2
+        F = k/2 min(delta, R) (n - dg/ds s - dg/dt t)
+
+    n acts at p, the slopes' part at the ring's centre: a round wheel is pushed through its hub.
+    From delta = R on U grows in proportion to delta.
+
+    Args:
+        field, nodes: the ground's part of the block, and the model's hfield_data.
+        wheel: its part of the block: R, k and its envelope.
+        hub: its place.
+        raised_m: what the ground is raised by beside its map: the furrow's bottom.
+        axle, up: c and u.
+        aside_m: w.
+
+    Returns:
+        force, moment about the hub, overlap_m (0 without contact), energy_j, and the force's size.
+    """
+    normal, radius_m = field_axis(field, Field.NORMAL), 0.5 * wheel[Wheel.DIAMETER_M]
+    centre = rigid.scaled(aside_m, axle)
+    height, slope_s, slope_t, turned = felt_height(
+        field, nodes, int(wheel[Wheel.ENVELOPE]), rigid.plus(hub, centre), rigid.cross(axle, up)
+    )
+    lowest = rigid.plus(centre, rigid.scaled(-radius_m, up))
+    overlap = raised_m + height - rigid.dot(rigid.plus(hub, lowest), normal)
+    if overlap <= 0.0:
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0, 0.0
+    pressed, stiffness = min(overlap, radius_m), 0.5 * wheel[Wheel.STIFFNESS_NPM]
+    energy = stiffness * pressed * (overlap - 0.5 * pressed)
+    push = stiffness * pressed
+    force = rigid.scaled(push, normal)
+    moment = rigid.cross(lowest, force)
+    if slope_s != 0.0 or slope_t != 0.0:
+        tilt = rigid.plus(
+            rigid.scaled(-slope_s, field_axis(field, Field.AHEAD)),
+            rigid.scaled(-slope_t, field_axis(field, Field.LEFT)),
+        )
+        tilt = rigid.scaled(push, tilt)
+        moment = rigid.plus(moment, rigid.cross(centre, tilt))
+        moment = rigid.plus(moment, rigid.scaled(-push * turned, normal))
+        force = rigid.plus(force, tilt)
+        push *= math.sqrt(1.0 + slope_s * slope_s + slope_t * slope_t)
+    return force, moment, overlap, energy, push

@@ -139,20 +139,10 @@ def smooth_step(x: float) -> tuple[float, float]:
 
 
 @law
-def spline(k: int, a: float) -> tuple[float, float]:
-    """Weight of the node k cells from the nearest, and its derivative; a in [-1/2, 1/2].
-
-    B_0 = 3/4 - a**2        B_-1 = (1/2 - a)**2 / 2        B_1 = (1/2 + a)**2 / 2
-    """
-    if k == 0:
-        return 0.75 - a * a, -2.0 * a
-    reach = 0.5 + k * a
-    return 0.5 * reach * reach, k * reach
-
-
-@law
 def node(i: int, count: int, repeats: bool) -> int:
     """Number of a node beyond the border: its repetition, or the border's own."""
+    if 0 <= i < count:
+        return i
     return i % count if repeats else min(max(i, 0), count - 1)
 
 
@@ -161,12 +151,6 @@ def on_map(
     field: Array, which: int, nodes: Array, s_m: float, t_m: float
 ) -> tuple[float, float, float]:
     """Value of a map at a place and its slopes; 0 without a map.
-
-        f = sum over the 3 x 3 nearest nodes of B_k(v) B_m(u) f_km
-
-    The quadratic B-spline over the nodes: the mean over one cell of the surface that is linear
-    between them. Its slopes are continuous, so no force that follows them jumps; a plane stays a
-    plane, and no value leaves the range of the nodes.
 
     Args:
         field: its part of the block.
@@ -177,36 +161,54 @@ def on_map(
     Returns:
         f, df/ds, df/dt.
     """
-    columns, rows = int(field[which + Grid.COLUMNS]), int(field[which + Grid.ROWS])
-    if rows == 0:
+    if field[which + Grid.ROWS] == 0.0:
         return 0.0, 0.0, 0.0
-    cell_m, first = field[which + Grid.CELL_M], int(field[which + Grid.FIRST])
-    repeats = field[which + Grid.REPEATS] != 0.0
-    u = (s_m + field[Field.ORIGIN_S_M] - field[which + Grid.START_M]) / cell_m
-    v = (t_m + field[Field.ORIGIN_T_M] - field[which + Grid.RIGHT_M]) / cell_m
+    return on_nodes(field, which, int(field[which + Grid.FIRST]), nodes, s_m, t_m)
+
+
+@law
+def on_nodes(
+    field: Array, which: int, first: int, nodes: Array, s_m: float, t_m: float
+) -> tuple[float, float, float]:
+    """Value at a place of nodes that lie as those of a map, and its slopes.
+
+        f = sum over the 3 x 3 nearest nodes of B_k(v) B_m(u) f_km
+        B_0 = 3/4 - a**2        B_-1 = (1/2 - a)**2 / 2        B_1 = (1/2 + a)**2 / 2
+
+    The quadratic B-spline over the nodes, a the distance to the nearest in cells: the mean over
+    one cell of the surface that is linear between them. Its slopes are continuous, so no force
+    that follows them jumps; a plane stays a plane, and no value leaves the range of the nodes.
+
+    Args:
+        field, which, nodes, s_m, t_m: as for `on_map`.
+        first: number of the first node in hfield_data.
+    """
+    columns, rows = int(field[which + Grid.COLUMNS]), int(field[which + Grid.ROWS])
+    per_cell, repeats = 1.0 / field[which + Grid.CELL_M], field[which + Grid.REPEATS] != 0.0
+    u = (s_m + field[Field.ORIGIN_S_M] - field[which + Grid.START_M]) * per_cell
+    v = (t_m + field[Field.ORIGIN_T_M] - field[which + Grid.RIGHT_M]) * per_cell
     if not repeats:  # far beyond the border all is as at it
         u, v = min(max(u, -2.0), columns + 1.0), min(max(v, -2.0), rows + 1.0)
     nearest_u, nearest_v = math.floor(u + 0.5), math.floor(v + 0.5)
     a, b = u - nearest_u, v - nearest_v
+    i, j = int(nearest_u), int(nearest_v)
+    west, east = node(i - 1, columns, repeats), node(i + 1, columns, repeats)
+    i = node(i, columns, repeats)
+    w_m, w_0, w_p = 0.5 * (0.5 - a) * (0.5 - a), 0.75 - a * a, 0.5 * (0.5 + a) * (0.5 + a)
+    d_m, d_0, d_p = a - 0.5, -2.0 * a, a + 0.5
     value = along_s = along_t = 0.0
     for k in range(-1, 2):
-        weight_v, change_v = spline(k, b)
-        row = first + node(int(nearest_v) + k, rows, repeats) * columns
-        line = slope = 0.0
-        for m in range(-1, 2):
-            weight_u, change_u = spline(m, a)
-            height = nodes[row + node(int(nearest_u) + m, columns, repeats)]
-            line += weight_u * height
-            slope += change_u * height
-        value += weight_v * line
-        along_s += weight_v * slope
-        along_t += change_v * line
+        row = first + node(j + k, rows, repeats) * columns
+        f_m, f_0, f_p = nodes[row + west], nodes[row + i], nodes[row + east]
+        line = w_m * f_m + w_0 * f_0 + w_p * f_p
+        reach = 0.5 + k * b
+        weight = 0.5 * reach * reach if k != 0 else 0.75 - b * b
+        value += weight * line
+        along_s += weight * (d_m * f_m + d_0 * f_0 + d_p * f_p)
+        along_t += (k * reach if k != 0 else -2.0 * b) * line
     scale = field[which + Grid.RANGE]
-    return (
-        field[which + Grid.LOW] + scale * value,
-        scale / cell_m * along_s,
-        scale / cell_m * along_t,
-    )
+    slope = scale * per_cell
+    return field[which + Grid.LOW] + scale * value, slope * along_s, slope * along_t
 
 
 @law

@@ -22,11 +22,9 @@ RADIUS_PER_DEFLECTION = 1.0 / 3.0
 """Loss of rolling radius per deflection; a bias tyre's circumference shortens by a third of it."""
 LIFTED_S = 0.05
 """Time in which the deflections of a lifted wheel vanish [s]."""
-FIRM_STIFFNESS = 6.5
-"""Slip stiffness over load on firm soil [-]: 0.88 x 7.5 (1 - exp(-Bn / 10)) at Bn 42, Brixius."""
 SLOWEST_MPS = 0.01
 """Slowest travel by which slip is measured [m/s]: at rest it is not noise over noise."""
-LEAST_SLIP = 1e-5
+LEAST_SLIP = 1e-7
 """Slip at which the law's secant is taken where there is none [-]."""
 LEAST_SINE = 1e-6
 """Of the angle between axle and ground normal, below which a wheel has no way ahead."""
@@ -52,11 +50,11 @@ def relaxed_shear(
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Forces of a tyre whose tread is sprung on its carcass, and the rates of its deflections u.
 
-        F = K u + (tau N / L) du/dt        du/dt = v - V K u / C        C = law(s) / s
+        F = K u + N d du/dt                du/dt = v - V K u / C        C = law(s) / s
         v = (w R - v_x, -v_y)              V = max(|w R|, |v_x|, |v_y|)        s = v / V
 
-    The springs K = 6.5 N_nominal / L (times kappa across) are constant; C is the law's secant at
-    the slip of the law's own definition, along and across. In steady state K u = law(s); after a
+    The springs K are constant (`twin.machine.tread`); C is the law's secant at the slip of the
+    law's own definition, along and across. In steady state K u = law(s); after a
     small change of slip u follows over the way C / K, the relaxation length: L on firm soil at the
     nominal load, in proportion to load, and shorter as slip grows. At rest u is a spring, so a
     parked wheel sticks. u is taken at the end of the step (implicit). |K u| never exceeds N mu, or
@@ -69,30 +67,31 @@ def relaxed_shear(
         shear_x_n, shear_y_n, resistance_n, rolling_moment_n, sinkage_m, rate_x, rate_y [m/s],
         energy_j held by the springs.
     """
-    nominal = FIRM_STIFFNESS * wheel[Wheel.NOMINAL_LOAD_N]
-    k_x = nominal / wheel[Wheel.RELAXATION_LONG_M]
-    k_y = nominal * wheel[Wheel.LATERAL_RATIO] / wheel[Wheel.RELAXATION_LAT_M]
+    k_x, k_y = wheel[Wheel.SHEAR_LONG_NPM], wheel[Wheel.SHEAR_LAT_NPM]
     v_x, v_y = spin_mps - roll_mps, -side_mps
     travel = max(abs(spin_mps), abs(roll_mps), abs(side_mps))
     way = 1.0 if spin_mps + roll_mps >= 0.0 else -1.0
-    reference = max(travel, SLOWEST_MPS)
-    slip, side_slip = not_zero(way * v_x / reference), not_zero(v_y / reference)
+    per_travel = 1.0 / max(travel, SLOWEST_MPS)
+    slip, side_slip = not_zero(way * v_x * per_travel), not_zero(v_y * per_travel)
     x, y, resistance, rolling, sinkage = soil_forces(soil, wheel, load_n, slip, side_slip)
-    ceiling = max(load_n * soil[Soil.FRICTION], math.sqrt(x * x + y * y))
-    least = 1e-3 * load_n
-    after_x = (u_x + dt_s * v_x) / (1.0 + dt_s * travel * k_x / max(x / slip, least))
-    after_y = (u_y + dt_s * v_y) / (1.0 + dt_s * travel * k_y / max(y / side_slip, least))
-    held = math.sqrt(k_x * after_x * k_x * after_x + k_y * after_y * k_y * after_y)
-    if held > ceiling:
-        after_x, after_y = after_x * ceiling / held, after_y * ceiling / held
-    rate_x, rate_y = (after_x - u_x) / dt_s, (after_y - u_y) / dt_s
-    damping = load_n * wheel[Wheel.SHEAR_DAMPING_S]
-    x = k_x * after_x + damping / wheel[Wheel.RELAXATION_LONG_M] * rate_x
-    across = damping * wheel[Wheel.LATERAL_RATIO] / wheel[Wheel.RELAXATION_LAT_M]
-    y = k_y * after_y + across * rate_y
-    size = math.sqrt(x * x + y * y)
-    if size > ceiling:
-        x, y = x * ceiling / size, y * ceiling / size
+    most = load_n * soil[Soil.FRICTION]
+    most = max(most * most, x * x + y * y)
+    secant_x, secant_y = max(x / slip, 1e-3 * load_n), max(y / side_slip, 1e-3 * load_n)
+    way_m = dt_s * travel
+    after_x = (u_x + dt_s * v_x) * (secant_x / (secant_x + way_m * k_x))
+    after_y = (u_y + dt_s * v_y) * (secant_y / (secant_y + way_m * k_y))
+    held = k_x * after_x * k_x * after_x + k_y * after_y * k_y * after_y
+    if held > most:
+        within = math.sqrt(most / held)
+        after_x, after_y = after_x * within, after_y * within
+    per_step = 1.0 / dt_s
+    rate_x, rate_y = (after_x - u_x) * per_step, (after_y - u_y) * per_step
+    x = k_x * after_x + load_n * wheel[Wheel.SHEAR_DAMPING_LONG_SPM] * rate_x
+    y = k_y * after_y + load_n * wheel[Wheel.SHEAR_DAMPING_LAT_SPM] * rate_y
+    size = x * x + y * y
+    if size > most:
+        within = math.sqrt(most / size)
+        x, y = x * within, y * within
     energy = 0.5 * (k_x * u_x * u_x + k_y * u_y * u_y)
     return x, y, resistance, rolling, sinkage, rate_x, rate_y, energy
 
@@ -100,8 +99,7 @@ def relaxed_shear(
 @law
 def not_zero(slip: float) -> float:
     """The slip, kept off zero by LEAST_SLIP with its sign, so that a secant exists."""
-    size = math.sqrt(slip * slip + LEAST_SLIP * LEAST_SLIP)
-    return size if slip >= 0.0 else -size  # also of a negative zero
+    return slip + LEAST_SLIP if slip >= 0.0 else slip - LEAST_SLIP  # also of a negative zero
 
 
 @law
@@ -153,12 +151,12 @@ def roll_wheel(
     tread = rigid.scaled(-outer_m, up)
     s, t, _ = on_ground(field, rigid.plus(hub, tread))
     bottom, slope_s, slope_t = furrow(field, s, t)
-    half_k, half_c = 0.5 * wheel[Wheel.STIFFNESS_NPM], 0.5 * wheel[Wheel.DAMPING_NSPM]
-    force_l, moment_l, overlap_l, energy_l = ring(
-        field, nodes, hub, bottom, axle, up, outer_m, half_k, RING * width_m
+    half_c, aside_m = 0.5 * wheel[Wheel.DAMPING_NSPM], RING * width_m
+    force_l, moment_l, overlap_l, energy_l, push_l = ring(
+        field, nodes, wheel, hub, bottom, axle, up, aside_m
     )
-    force_r, moment_r, overlap_r, energy_r = ring(
-        field, nodes, hub, bottom, axle, up, outer_m, half_k, -RING * width_m
+    force_r, moment_r, overlap_r, energy_r, push_r = ring(
+        field, nodes, wheel, hub, bottom, axle, up, -aside_m
     )
     force, torque = rigid.plus(force_l, force_r), rigid.plus(moment_l, moment_r)
     lift = rigid.dot(force, plane)
@@ -177,7 +175,7 @@ def roll_wheel(
     ahead = way_ahead(axle, normal)
     left = rigid.cross(normal, ahead)
     roll, side = rigid.dot(velocity, ahead), rigid.dot(velocity, left)
-    overlap = 0.5 * (max(overlap_l, 0.0) + max(overlap_r, 0.0))
+    overlap = 0.5 * (overlap_l + overlap_r)
     deflection = min(overlap / upright, outer_m)
     radius = wheel[Wheel.FREE_ROLLING_RADIUS_M] - RADIUS_PER_DEFLECTION * deflection
     spin = rate * radius
@@ -185,11 +183,10 @@ def roll_wheel(
     slots[WheelSlot.RATE_RADPS], slots[WheelSlot.ROLLING_RADIUS_M] = rate, radius
     slots[WheelSlot.SPEED_X_MPS], slots[WheelSlot.SPEED_Y_MPS] = roll, side
     slots[WheelSlot.SLIP] = (spin - roll) / max(abs(spin), abs(roll), 0.05)
-    slots[WheelSlot.SLIP_ANGLE_RAD] = math.atan2(-side, abs(roll))
     powers[PowerSlot.TYRE] -= rigid.dot(force, velocity) + rigid.dot(torque, turning)
-    load_l, damped_l, taken_l = damped(force_l, half_c, tread, RING * width_m, axle, normal,
+    load_l, damped_l, taken_l = damped(push_l, half_c, tread, aside_m, axle, normal,
                                        velocity, turning)  # fmt: skip
-    load_r, damped_r, taken_r = damped(force_r, half_c, tread, -RING * width_m, axle, normal,
+    load_r, damped_r, taken_r = damped(push_r, half_c, tread, -aside_m, axle, normal,
                                        velocity, turning)  # fmt: skip
     powers[PowerSlot.TYRE] += taken_l + taken_r
     load = elastic + load_l + load_r
@@ -211,14 +208,15 @@ def roll_wheel(
         powers[PowerSlot.WALL] += taken
         slots[WheelSlot.WALL_N] = rigid.dot(wall, left)
     if load <= 1.0:
+        slots[WheelSlot.TREAD_SPEED_Y_MPS] = side
         rates[tyre], rates[tyre + 1] = -u_x / LIFTED_S, -u_y / LIFTED_S
         return force, without(torque, axle)
-    shift = RING * width_m * (
+    shift = aside_m * (
         rigid.dot(force_l, normal) + load_l - rigid.dot(force_r, normal) - load_r
     ) / load  # fmt: skip
     meeting = rigid.plus(rigid.scaled(deflection - outer_m, up), rigid.scaled(shift, axle))
     slip_side = side + rigid.dot(rigid.cross(turning, meeting), left)
-    slots[WheelSlot.SLIP_ANGLE_RAD] = math.atan2(-slip_side, abs(roll))
+    slots[WheelSlot.TREAD_SPEED_Y_MPS] = slip_side
     soil_at(field, soil, nodes, s, t, here)
     x, y, resistance, rolling, sinkage, rates[tyre], rates[tyre + 1], sheared_j = relaxed_shear(
         here, wheel, load, spin, roll, slip_side, u_x, u_y, dt_s
@@ -241,7 +239,7 @@ def roll_wheel(
 
 @law
 def damped(
-    spring: Vector,
+    pushed_n: float,
     damping_nspm: float,
     tread: Vector,
     aside_m: float,
@@ -252,15 +250,21 @@ def damped(
 ) -> tuple[float, Vector, float]:
     """Damper of one ring, along the normal at its lowest point; it never pulls more than pushed.
 
+    Args:
+        pushed_n: size of the ring's spring force.
+        damping_nspm: of this ring.
+        tread, aside_m: its lowest point from the hub, without and along the axle.
+        axle, normal: of the wheel, and of the ground.
+        velocity, turning: of the hub, and the wheel's rate of turning without its spin.
+
     Returns:
         force_n along the normal (negative while the ring springs back), moment, power_w taken.
     """
-    pushed = math.sqrt(rigid.dot(spring, spring))
-    if pushed <= 0.0:
+    if pushed_n <= 0.0:
         return 0.0, (0.0, 0.0, 0.0), 0.0
     arm = rigid.plus(tread, rigid.scaled(aside_m, axle))
     rising = rigid.dot(normal, rigid.plus(velocity, rigid.cross(turning, arm)))
-    force = max(-damping_nspm * rising, -pushed)
+    force = max(-damping_nspm * rising, -pushed_n)
     return force, rigid.scaled(force, rigid.cross(arm, normal)), -force * rising
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from twin.machine.parameters import soil_part
 from twin.machine.plough_setting import GRAVITY_MPS2
+from twin.machine.tread import tread_part
 from twin.physics import block
 from twin.physics.block import Engine, Field, Head, Soil, Wheel
 from twin.physics.callback import install
@@ -59,8 +60,8 @@ def stand(
     inertias = {"along": mass_kg, "across": mass_kg, "up": heave_kg}
     inertias["spin"] = mass_kg * sizes[Wheel.FREE_ROLLING_RADIUS_M] ** 2
     _add_bodies(spec, inertias, 0.5 * sizes[Wheel.DIAMETER_M])
-    for axis in "xy":
-        _actuator(spec, f"tyre_{axis}", "spin", dyntype=mujoco.mjtDyn.mjDYN_USER, gain=0.0)
+    tyre = _actuator(spec, "tyre", "spin", dyntype=mujoco.mjtDyn.mjDYN_USER, gain=0.0)
+    tyre.actdim = 2
     _actuator(spec, "lift", "up", gain=1.0)
     for joint in held:
         _servo(spec, joint, inertias[joint])
@@ -68,7 +69,8 @@ def stand(
     spec.add_numeric(name="tractor_twin", size=block.SIZE, data=[0.0] * block.SIZE)
     model = spec.compile()
     own = {Wheel.DAMPING_NSPM: heave_kg * HEAVE_RADPS, Wheel.NOMINAL_LOAD_N: load_n}
-    model.numeric_data[-block.SIZE :] = _block(model, {**sizes, **own}, soil, radial)
+    tyre = {**sizes, **own}
+    model.numeric_data[-block.SIZE :] = _block(model, tyre | tread_part(tyre), soil, radial)
     return model
 
 
@@ -109,7 +111,7 @@ def _block(model: Any, sizes: Mapping[Wheel, float], soil: Ground, radial: bool)
     wheel = {
         Wheel.BODY: model.body("wheel").id,
         Wheel.SPIN: int(model.joint("spin").dofadr[0]),
-        Wheel.TYRE: int(model.actuator_actadr[model.actuator("tyre_x").id]),
+        Wheel.TYRE: int(model.actuator_actadr[model.actuator("tyre").id]),
         **sizes,
     }
     level = {Field.AHEAD: 1.0, Field.LEFT + 1: 1.0, Field.NORMAL + 2: 1.0}

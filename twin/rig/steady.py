@@ -30,7 +30,8 @@ class NotSteady(TwinError, ArithmeticError):
 
 SLOTS = {
     "slip": WheelSlot.SLIP,
-    "slip_angle_rad": WheelSlot.SLIP_ANGLE_RAD,
+    "tread_speed_y_mps": WheelSlot.TREAD_SPEED_Y_MPS,
+    "speed_x_mps": WheelSlot.SPEED_X_MPS,
     "rolling_radius_m": WheelSlot.ROLLING_RADIUS_M,
     "sinkage_m": WheelSlot.SINKAGE_M,
     "resistance_n": WheelSlot.RESISTANCE_N,
@@ -67,7 +68,9 @@ def steady(
     forces = record["sensordata"]
     _refuse_unsteady(batch, forces, load_n, sizes, held)
     out = {joint: np.array(forces[:, -1, i]) for i, joint in enumerate(held)}
-    return out | {name: np.array(slots[:, slot]) for name, slot in SLOTS.items()}
+    out |= {name: np.array(slots[:, slot]) for name, slot in SLOTS.items()}
+    out["slip_angle_rad"] = np.arctan2(-out["tread_speed_y_mps"], np.abs(out["speed_x_mps"]))
+    return out
 
 
 def _start(

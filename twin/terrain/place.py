@@ -8,8 +8,11 @@ import mujoco
 import numpy as np
 
 from twin.physics.block import Grid
+from twin.terrain.envelope import envelope
 from twin.terrain.grid import GridMap
 
+ENVELOPES = "envelopes"
+"""The height field that holds what wheels feel of the heights."""
 LEAST_RANGE = 1e-9
 """Range of a map that is the same everywhere: MuJoCo wants one."""
 
@@ -49,6 +52,29 @@ def grid_part(model: Any, name: str, grid: GridMap, at: int) -> dict[Any, float]
         Grid.REPEATS: float(grid.repeats),
     }
     return {at + name: value for name, value in values.items()}
+
+
+def add_envelopes(spec: Any, heights: GridMap, radii_m: tuple[float, ...]) -> None:
+    """Add the heights as wheels feel them, one below another: along and across for each radius.
+
+    Scaled as the heights themselves, whose range they keep to.
+    """
+    low, span = _range(heights)
+    felt = [envelope(heights, r, axis) for r in radii_m for axis in ("along", "across")]
+    nodes = np.concatenate(felt)
+    rows, columns = nodes.shape
+    spec.add_hfield(
+        name=ENVELOPES,
+        nrow=rows,
+        ncol=columns,
+        size=[1.0, 1.0, span, 0.1],
+        userdata=((nodes - low) / span).ravel(),
+    )
+
+
+def first_envelope(model: Any) -> int:
+    """Number of the first node of the envelopes in hfield_data."""
+    return int(model.hfield_adr[model.hfield(ENVELOPES).id])
 
 
 def _range(grid: GridMap) -> tuple[float, float]:

@@ -1,0 +1,39 @@
+"""What the laws remember from step to step: activations of one actuator, by name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from twin.physics import block
+
+ACTUATOR = "laws"
+"""The actuator that holds them; it has no gain and moves nothing."""
+
+
+def names(shares: int) -> tuple[str, ...]:
+    """Names of the activations in their order.
+
+    Deflection of each tyre along and across [m], wind-up of each coupling [-], and how far each
+    share has pressed the soil ahead and towards the land [m].
+    """
+    return (
+        *(f"{w}_tyre_{axis}" for w in block.WHEELS for axis in "xy"),
+        *(f"{c}_windup" for c in block.COUPLINGS),
+        *(f"soil_{i + 1}_{axis}" for i in range(shares) for axis in "xy"),
+    )
+
+
+def address(model: Any, name: str) -> int:
+    """Place of an activation in mjData.act, whether there are shares or not."""
+    first = int(model.actuator_actadr[model.actuator(ACTUATOR).id])
+    return first + names(block.MOST_SHARES).index(name)
+
+
+def name_of(model: Any, k: int) -> str:
+    """What an activation is called, by its place in mjData.act."""
+    for i in range(model.nu):
+        first, count = int(model.actuator_actadr[i]), int(model.actuator_actnum[i])
+        if first <= k < first + count:
+            own = str(model.actuator(i).name)
+            return names(block.MOST_SHARES)[k - first] if own == ACTUATOR else own
+    return f"activation {k}"
