@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from synthetic_run import estimate_table, truth_table
+from synthetic_run import STUB, estimate_table, truth_table
 
 from twin import scores
+from twin.machine.ends import End, Outcome
 
 
 def test_errors_of_a_known_series() -> None:
@@ -110,3 +113,23 @@ def test_no_draft_is_none_and_not_zero() -> None:
 def test_without_truth_nothing_is_scored() -> None:
     found = scores.score(None, {"a": {"epoch_ns": np.arange(2)}}, scenario="log", seed=None)
     assert (found["window_s"], found["estimators"]) == (None, {"a": {}})
+
+
+def test_a_run_that_ended_early_is_scored_where_there_is_enough_of_it() -> None:
+    stuck = End(outcome=Outcome.STUCK, time_s=20.0, along_m=9.0, left_m=0.0, measured=0.9)
+    ploughed = truth_table(duration_s=20.0)
+    begins_s, _ = scores.window_s(ploughed)
+    bare = replace(STUB, plough=None)
+    reasons = [
+        scores.why_unscored(truth_table(duration_s=duration_s), scenario, stuck)
+        for scenario, duration_s in (
+            (STUB, begins_s + 1.1), (STUB, begins_s + 0.5), (bare, 6.5), (bare, 5.5),
+        )
+    ]  # fmt: skip
+    assert reasons[0] is reasons[2] is None
+    assert "1 s beyond 5 m past full depth" in str(reasons[1])
+    never = {**ploughed, "ploughing": np.zeros_like(ploughed["ploughing"])}
+    assert "full depth" in str(scores.why_unscored(never, STUB, stuck))
+    planned = replace(stuck, outcome=Outcome.DRIVEN)
+    for end in (planned, replace(stuck, outcome=Outcome.SHALLOW), None):
+        assert scores.why_unscored(never, STUB, end) is None

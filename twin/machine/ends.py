@@ -18,13 +18,13 @@ from twin.physics.block import WheelSlot
 
 Array = NDArray[np.float64]
 
-LOOK_BACK_S = 5.0
-"""Time over which a stall and a spin are judged [s]; assumed."""
+LOOK_BACK_S, NOW_S = 5.0, 1.0
+"""Time over which a stall and a spin are judged, and what of it counts as now [s]; assumed."""
 STALL_M = 0.25
 """A drive that gains less in that time has stalled [m]: the slowest that counts is 0.05 m/s."""
 STUCK_SLIP = 0.6
-"""Mean slip above which wheels only spin: Brixius' 1 - exp(-7.5 s) is 0.989 there, so more slip
-brings no more pull, and less than 0.4 of the axle's power moves the tractor."""
+"""Slip above which wheels only spin, over all of that time and still now: Brixius'
+1 - exp(-7.5 s) is 0.989 there, so more slip brings no more pull, and the ground gives way."""
 LEFT_M = LOOKAHEAD_M
 """So much further beside the line the driver has lost it [m]: the point of it that he steers for
 lies no further ahead."""
@@ -49,7 +49,10 @@ _MEASURED: dict[Outcome, tuple[str, str]] = {
     Outcome.EDGE: ("m", ""),
     Outcome.SHALLOW: ("m", "the plough came to {cm:.1f} cm"),
     Outcome.STALLED: ("m", "{measured:.2f} m gained in {back_s:g} s"),
-    Outcome.STUCK: ("1", "the wheels spin, mean slip {measured:.0%} over {back_s:g} s"),
+    Outcome.STUCK: (
+        "1",
+        "the wheels spin, slip {measured:.0%}, above {stuck:.0%} over {back_s:g} s",
+    ),
     Outcome.LEFT_LINE: ("m", "{measured:.1f} m beside it"),
     Outcome.ROLLED_OVER: ("deg", "{measured:.0f} degrees from the vertical"),
 }
@@ -70,8 +73,8 @@ class End:
     way: str = "the course"
     """What was being driven: the course, one of its passes, or the turn before one."""
     measured: float
-    """What decided it, in `unit`: metres driven along, the depth reached, metres gained, the mean
-    slip, metres beside the line, degrees from the vertical."""
+    """What decided it, in `unit`: metres driven along, the depth reached, metres gained, the slip,
+    metres beside the line, degrees from the vertical."""
 
     @property
     def as_planned(self) -> bool:
@@ -93,7 +96,10 @@ class End:
         if self.as_planned:
             return str(self.outcome)
         words = _MEASURED[self.outcome][1].format(
-            measured=self.measured, cm=100.0 * self.measured, back_s=LOOK_BACK_S
+            measured=self.measured,
+            cm=100.0 * self.measured,
+            back_s=LOOK_BACK_S,
+            stuck=STUCK_SLIP,
         )
         when = f" at {self.time_s:.1f} s, {self.along_m:.1f} m along {self.way}"
         return f"{self.outcome}{when if self.early else ''}: {words}"
@@ -176,8 +182,8 @@ class Watch:
 
     def __init__(self, machine: Machine, period_s: float) -> None:
         self.stance, self.period_s = stance(machine), period_s
-        self.count = round(LOOK_BACK_S / period_s)
-        self.past: deque[tuple[float, float, float]] = deque([(0.0, 0.0, 0.0)], self.count + 1)
+        count = round(LOOK_BACK_S / period_s)
+        self.past: deque[tuple[float, float, float]] = deque([(0.0, 0.0, 0.0)], count + 1)
         self.reached_m, self.standing_s, self.nearest_m = 0.0, 0.0, math.inf
 
     def begin_leg(self) -> None:
@@ -197,17 +203,18 @@ class Watch:
             return Outcome.ROLLED_OVER, math.degrees(math.acos(min(1.0, float(now.up_b[2]))))
         if now.follows and abs(now.left_m) > self.nearest_m + LEFT_M:
             return Outcome.LEFT_LINE, abs(now.left_m)
-        gained_m, slip = self._lately()
-        if slip > STUCK_SLIP:
+        slip = self._slip(NOW_S)
+        if min(slip, self._slip(LOOK_BACK_S)) > STUCK_SLIP:
             return Outcome.STUCK, slip
         if self.standing_s > LOOK_BACK_S:
-            return Outcome.STALLED, gained_m
+            return Outcome.STALLED, now.along_m - self.past[0][0]
         return None
 
-    def _lately(self) -> tuple[float, float]:
-        """Distance gained in the time looked back, and slip of the driven axle's mean speeds."""
-        gained_m, rim_m, hub_m = (b - a for a, b in zip(self.past[0], self.past[-1], strict=True))
-        if len(self.past) <= self.count:
-            return gained_m, 0.0
-        least_m = SLOWEST_MPS * LOOK_BACK_S
-        return gained_m, (rim_m - hub_m) / max(abs(rim_m), abs(hub_m), least_m)
+    def _slip(self, time_s: float) -> float:
+        """Slip of the driven axle's mean speeds over the last seconds; 0 before there are any."""
+        count = round(time_s / self.period_s)
+        if len(self.past) <= count:
+            return 0.0
+        (_, rim_m, hub_m), (_, rim_then_m, hub_then_m) = self.past[-1], self.past[-1 - count]
+        rim_mps, hub_mps = (rim_m - rim_then_m) / time_s, (hub_m - hub_then_m) / time_s
+        return (rim_mps - hub_mps) / max(abs(rim_mps), abs(hub_mps), SLOWEST_MPS)
