@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from synthetic_run import STUB, estimate_table, truth_table
+from synthetic_run import STUB, Scenario, estimate_table, truth_table
 
 from twin import scores
 from twin.machine.ends import End, Outcome
@@ -120,14 +120,16 @@ def test_a_run_that_ended_early_is_scored_where_there_is_enough_of_it() -> None:
     ploughed = truth_table(duration_s=20.0)
     begins_s, _ = scores.window_s(ploughed)
     bare = replace(STUB, plough=None)
-    reasons = [
-        scores.why_unscored(truth_table(duration_s=duration_s), scenario, stuck)
-        for scenario, duration_s in (
-            (STUB, begins_s + 1.1), (STUB, begins_s + 0.5), (bare, 6.5), (bare, 5.5),
-        )
-    ]  # fmt: skip
-    assert reasons[0] is reasons[2] is None
-    assert "1 s beyond 5 m past full depth" in str(reasons[1])
+
+    def why(duration_s: float, scenario: Scenario) -> str | None:
+        truth = truth_table(duration_s=duration_s)
+        truth["ploughing"] &= scenario.plough is not None
+        return scores.why_unscored(truth, scenario, stuck)
+
+    assert why(begins_s + 1.1, STUB) is None
+    assert why(begins_s + 0.5, STUB) == "it drove less than 1 s beyond the first 5 m at full depth"
+    assert why(6.5, bare) is None
+    assert why(5.5, bare) == "it drove less than 1 s beyond the first 5 s"
     never = {**ploughed, "ploughing": np.zeros_like(ploughed["ploughing"])}
     assert "full depth" in str(scores.why_unscored(never, STUB, stuck))
     planned = replace(stuck, outcome=Outcome.DRIVEN)

@@ -74,10 +74,10 @@ def why_unscored(truth: Table, scenario: Any, end: End | None) -> str | None:
         return None
     begins = "its start"
     if ploughs:
-        begins = f"{SETTLE_M:g} m past full depth"
+        begins = f"the first {SETTLE_M:g} m at full depth"
     elif scenario.course.edge_m is None:
-        begins = f"{SETTLE_S:g} s from its start"
-    return f"it ended before it had driven {LEAST_S:g} s beyond {begins}"
+        begins = f"the first {SETTLE_S:g} s"
+    return f"it drove less than {LEAST_S:g} s beyond {begins}"
 
 
 def _start_of_ploughing_s(truth: Table, time: Array) -> float | None:

@@ -129,7 +129,7 @@ class Stance:
 
         The plumb line from it meets the plane of the wheels at
             x = x_cg - h up_x / up_z      y = -h up_y / up_z
-        outside 0 <= x <= wheelbase, |y| <= track / 2: the static overturning angle of ISO 16231-2.
+        outside 0 <= x <= wheelbase, |y| <= track / 2: the static overturning angle of a rigid body.
 
         Args:
             up_b: unit vector against gravity, in the body's axes. Shape (3,).
