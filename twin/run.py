@@ -113,7 +113,7 @@ def run(
         streams, true, kept, ends = sense(machine, nominal.driven, progress or _silent, frames)
         *before, end = ends
         said = notes(machine) + overspeed(machine.numbers, true)
-        said += tuple(f"the calibration {leg}" for leg in before if not leg.as_planned)
+        said += tuple(f"calibration: {leg}" for leg in before if not leg.as_planned)
     else:
         setup, streams, true = _measured(scenario)
     start_ns = int(true["epoch_ns"][0])

@@ -7,8 +7,11 @@ import pyarrow.parquet as pq
 import pytest
 
 from scenarios.plough import CM_25
+from scenarios.slope import DRY_9
+from tests.machine.rigs import BARE
 from twin import cli
 from twin.commands.run import Options, execute
+from twin.run import run
 from twin.scenario import Course, Field, Patch
 
 BOG = Patch(start_m=45.0, length_m=100.0, friction_factor=0.1)
@@ -67,3 +70,11 @@ def test_a_study_counts_and_names_the_runs_that_did_not_drive_their_course(tmp_p
         assert named in (tmp_path / "s" / "report.html").read_text()
     table = pq.read_table(tmp_path / "s" / "table.parquet").to_pylist()
     assert [r["as_planned"] for r in table] == [False] * 4 + [True] * 4
+
+
+def test_a_calibration_that_ended_early_is_noted():
+    slippery = replace(DRY_9, soil=replace(DRY_9.soil, friction=0.05))
+    notes = run(slippery, estimators={}).notes
+    assert sum(note.startswith("calibration: stuck at ") for note in notes) == 2
+    level = replace(BARE, course=replace(BARE.course, calibration_m=5.0))
+    assert not any("calibration" in note for note in run(level, estimators={}).notes)

@@ -57,6 +57,9 @@ EARLY = {
     "soil that does not bear": (soiled(PLOUGHING, cone_index_kpa=50.0), Outcome.STUCK),
     "a floating plough that digs in": (FLOATING, Outcome.STUCK),
     "uphill without grip": (field(soiled(BARE, friction=0.1), grade_deg=15.0), Outcome.STUCK),
+    "downhill without grip": (
+        field(soiled(BARE, friction=0.1), grade_deg=-15.0), Outcome.SLID,
+    ),
     "twice the draft": (soiled(DEEP, draft_scale=2.0), Outcome.STALLED),
     "a slope without grip": (SLIPPERY, Outcome.LEFT_LINE),
     "a plough that hangs on its wheel": (
@@ -88,7 +91,8 @@ def test_what_goes_wrong_is_named_with_its_time_and_place(what):
         assert f"at {end.time_s:.1f} s, {end.along_m:.1f} m along the course" in str(end)
     low, high = {
         Outcome.STUCK: (STUCK_SLIP, 2.0), Outcome.STALLED: (-1.0, 0.25),
-        Outcome.LEFT_LINE: (LEFT_M, LEFT_M + 0.5), Outcome.SHALLOW: (0.0, 0.95 * 0.05),
+        Outcome.SLID: (-1.0, -STUCK_SLIP), Outcome.LEFT_LINE: (LEFT_M, LEFT_M + 0.5),
+        Outcome.SHALLOW: (0.0, 0.95 * 0.05),
     }[outcome]  # fmt: skip
     assert low < end.measured < high
 
@@ -166,6 +170,13 @@ def rolling(slip, time_s, rim_mps=2.0, left_m=0.0, follows=True, start_m=0.0):
 @pytest.mark.parametrize("slip", [0.62, 0.8, 0.9])
 def test_wheels_that_spin_for_five_seconds_are_stuck_however_fast(slip):
     assert watched(rolling(slip, 20.0)) == (Outcome.STUCK, pytest.approx(LOOK_BACK_S))
+
+
+@pytest.mark.parametrize("hub_mps", [5.1, 20.0])
+def test_wheels_that_skid_for_five_seconds_do_not_hold_it(hub_mps):
+    slid = rolling(1.0 - hub_mps / 2.0, 20.0)
+    assert watched(slid) == (Outcome.SLID, pytest.approx(LOOK_BACK_S))
+    assert watched(rolling(1.0 - 4.9 / 2.0, 20.0)) is None  # (2 - 4.9) / 4.9 = -0.59
 
 
 @pytest.mark.parametrize("slip", [-0.5, 0.0, 0.3, 0.58])

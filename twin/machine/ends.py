@@ -24,7 +24,8 @@ STALL_M = 0.25
 """A drive that gains less in that time has stalled [m]: the slowest that counts is 0.05 m/s."""
 STUCK_SLIP = 0.6
 """Slip above which wheels only spin, over all of that time and still now: Brixius'
-1 - exp(-7.5 s) is 0.989 there, so more slip brings no more pull, and the ground gives way."""
+1 - exp(-7.5 s) is 0.989 there, so more slip brings no more pull, and the ground gives way. Below
+minus this they only skid."""
 LEFT_M = LOOKAHEAD_M
 """So much further beside the line the driver has lost it [m]: the point of it that he steers for
 lies no further ahead."""
@@ -40,6 +41,7 @@ class Outcome(StrEnum):
     SHALLOW = "never at its depth"
     STALLED = "stalled"
     STUCK = "stuck"
+    SLID = "slid away"
     LEFT_LINE = "left the line"
     ROLLED_OVER = "rolled over"
 
@@ -52,6 +54,10 @@ _MEASURED: dict[Outcome, tuple[str, str]] = {
     Outcome.STUCK: (
         "1",
         "the wheels spin, slip {measured:.0%}, above {stuck:.0%} over {back_s:g} s",
+    ),
+    Outcome.SLID: (
+        "1",
+        "the wheels skid, slip {measured:.0%}, below -{stuck:.0%} over {back_s:g} s",
     ),
     Outcome.LEFT_LINE: ("m", "{measured:.1f} m beside it"),
     Outcome.ROLLED_OVER: ("deg", "{measured:.0f} degrees from the vertical"),
@@ -203,9 +209,11 @@ class Watch:
             return Outcome.ROLLED_OVER, math.degrees(math.acos(min(1.0, float(now.up_b[2]))))
         if now.follows and abs(now.left_m) > self.nearest_m + LEFT_M:
             return Outcome.LEFT_LINE, abs(now.left_m)
-        slip = self._slip(NOW_S)
-        if min(slip, self._slip(LOOK_BACK_S)) > STUCK_SLIP:
+        slip, lately = self._slip(NOW_S), self._slip(LOOK_BACK_S)
+        if min(slip, lately) > STUCK_SLIP:
             return Outcome.STUCK, slip
+        if max(slip, lately) < -STUCK_SLIP:
+            return Outcome.SLID, slip
         if self.standing_s > LOOK_BACK_S:
             return Outcome.STALLED, now.along_m - self.past[0][0]
         return None

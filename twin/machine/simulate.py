@@ -213,8 +213,9 @@ def simulate(machine: Machine, chunk_decisions: int = CHUNK_DECISIONS) -> Iterat
     """Drive the scenario's course; trajectories of about a second each, contiguous.
 
     The last says how the drive ended: at the end of the course, or early (`twin.machine.ends`)
-    where the tractor has rolled over, left its line, got stuck on spinning wheels or stalled:
-    gained less than 0.25 m along a leg of the course in 5 s, whether it stands, rocks or slides.
+    where the tractor has rolled over, left its line, got stuck on spinning wheels, slid away on
+    skidding ones or stalled: gained less than 0.25 m along a leg of the course in 5 s, whether it
+    stands, rocks or slides.
 
     Raises:
         Diverged: a state is not finite, or MuJoCo warned.
