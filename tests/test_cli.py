@@ -19,10 +19,12 @@ from twin import cli, registry
 from twin.commands import run as run_command
 from twin.commands.parse import one_line
 from twin.errors import UnknownName
+from twin.machine.ends import End, Outcome
 
 HEAVY = ("mujoco", "numba", "rerun", "pyarrow", "matplotlib", "scipy", "gymnasium")
 
 
+DRIVEN = End(outcome=Outcome.DRIVEN, time_s=12.0, along_m=20.0, left_m=0.0, measured=20.0)
 NOTE = "front wheels: W/(b d) = 8 kPa is outside [15, 55] kPa"
 
 
@@ -57,7 +59,7 @@ def stub(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Any]:
         driven.append(scenario)
         progress(1.0, 20.0)
         record = synthetic_run(scenario=scenario, duration_s=12.0)
-        return SimpleNamespace(**vars(record), ended="course driven", notes=(NOTE,))
+        return SimpleNamespace(**vars(record), end=DRIVEN, ended=str(DRIVEN), notes=(NOTE,))
 
     monkeypatch.setattr(registry, "load", load)
     monkeypatch.setitem(sys.modules, "twin.run", SimpleNamespace(run=drive))

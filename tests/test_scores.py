@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from synthetic_run import estimate_table, truth_table
+from synthetic_run import STUB, Scenario, estimate_table, truth_table
 
 from twin import scores
+from twin.machine.ends import End, Outcome
 
 
 def test_errors_of_a_known_series() -> None:
@@ -110,3 +113,25 @@ def test_no_draft_is_none_and_not_zero() -> None:
 def test_without_truth_nothing_is_scored() -> None:
     found = scores.score(None, {"a": {"epoch_ns": np.arange(2)}}, scenario="log", seed=None)
     assert (found["window_s"], found["estimators"]) == (None, {"a": {}})
+
+
+def test_a_run_that_ended_early_is_scored_where_there_is_enough_of_it() -> None:
+    stuck = End(outcome=Outcome.STUCK, time_s=20.0, along_m=9.0, left_m=0.0, measured=0.9)
+    ploughed = truth_table(duration_s=20.0)
+    begins_s, _ = scores.window_s(ploughed)
+    bare = replace(STUB, plough=None)
+
+    def why(duration_s: float, scenario: Scenario) -> str | None:
+        truth = truth_table(duration_s=duration_s)
+        truth["ploughing"] &= scenario.plough is not None
+        return scores.why_unscored(truth, scenario, stuck)
+
+    assert why(begins_s + 1.1, STUB) is None
+    assert why(begins_s + 0.5, STUB) == "it drove less than 1 s beyond the first 5 m at full depth"
+    assert why(6.5, bare) is None
+    assert why(5.5, bare) == "it drove less than 1 s beyond the first 5 s"
+    never = {**ploughed, "ploughing": np.zeros_like(ploughed["ploughing"])}
+    assert "full depth" in str(scores.why_unscored(never, STUB, stuck))
+    planned = replace(stuck, outcome=Outcome.DRIVEN)
+    for end in (planned, replace(stuck, outcome=Outcome.SHALLOW), None):
+        assert scores.why_unscored(never, STUB, end) is None

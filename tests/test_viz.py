@@ -14,6 +14,7 @@ from recordings import broken
 from synthetic_run import MJCF, synthetic_run, truth_table
 
 from twin import viz
+from twin.machine.ends import End, Outcome
 from twin.streams import Streams
 from twin.terrain.grid import GridMap
 from twin.viz import Ground, paths
@@ -104,12 +105,17 @@ def test_events_tell_what_happened_in_order() -> None:
     quality = np.full(len(RUN.streams["gnss"]["epoch_ns"]), 4)
     quality[30:40] = 5
     gnss = {**RUN.streams["gnss"], "quality": quality}
-    found = sorted(events(truth, Streams({"gnss": gnss}), None, "course driven"))
+    driven = End(outcome=Outcome.DRIVEN, time_s=20.0, along_m=30.0, left_m=0.0, measured=30.0)
+    found = sorted(events(truth, Streams({"gnss": gnss}), None, driven))
     assert [e.text for e in found] == [
         "GNSS float", "GNSS fixed again", "plough in the ground", "full depth, 25 cm", "plough out",
         "course driven",
     ]  # fmt: skip
     assert [e.level for e in found][:2] == ["WARN", "INFO"]
+    assert found[-1].level == "INFO"
+    stuck = replace(driven, outcome=Outcome.STUCK, measured=0.9)
+    *_, last = sorted(events(truth, Streams({}), None, stuck))
+    assert (last.text, last.level) == (str(stuck), "ERROR")
 
 
 def test_odometry_that_works_from_the_start_is_no_event() -> None:

@@ -208,7 +208,7 @@ def camera_rows() -> list[dict[str, Any]]:
 
 def _sense(machine: Machine) -> float:
     """Drive a machine with its sensors; the time driven [s]."""
-    _, true, _ = sense(machine, ("rl", "rr"), lambda *_: None)
+    _, true, *_ = sense(machine, ("rl", "rr"), lambda *_: None)
     return float(true["epoch_ns"][-1] - true["epoch_ns"][0]) * 1e-9
 
 

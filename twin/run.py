@@ -22,8 +22,9 @@ from twin.lookup import line, where
 from twin.machine import calibration
 from twin.machine.build import Machine, build
 from twin.machine.driver import FULL_DEPTH
+from twin.machine.ends import End, Outcome
 from twin.machine.geometry import geometry
-from twin.machine.notes import notes
+from twin.machine.notes import notes, overspeed
 from twin.machine.route import length_m
 from twin.scenario import Scenario
 from twin.sensors import Sensors
@@ -70,12 +71,18 @@ class Run:
     truth: Table
     estimates: dict[str, Table]
     wall_s: float
-    ended: str = "course driven"
-    """Why the run ended."""
+    end: End | None = None
+    """How, when and where the run ended; None of signals without a machine."""
     frames: Frames | None = None
     """Some of the camera's frames by number, drawn when asked for."""
     notes: tuple[str, ...] = ()
-    """Where the run leaves the range in which its soil law was measured, in sentences."""
+    """What a reader should know before its numbers, in sentences: where it leaves the range in
+    which its soil law was measured, or the engine its own."""
+
+    @property
+    def ended(self) -> str:
+        """How the run ended, in words."""
+        return str(self.end or Outcome.DRIVEN)
 
 
 def run(
@@ -98,13 +105,15 @@ def run(
         Diverged: the simulation left the finite numbers; its evidence repeats the last second.
     """
     start = time.perf_counter()
-    ended, said, kept = "course driven", tuple[str, ...](), None
+    end, said, kept = None, tuple[str, ...](), None
     if isinstance(scenario, Scenario):
         machine = build(scenario)
         nominal = geometry(machine)
         setup = sensors.setup(scenario.sensors, nominal)
-        streams, true, kept = sense(machine, nominal.driven, progress or _silent, frames)
-        ended, said = _ended(machine, true), notes(machine)
+        streams, true, kept, ends = sense(machine, nominal.driven, progress or _silent, frames)
+        *before, end = ends
+        said = notes(machine) + overspeed(machine.numbers, true)
+        said += tuple(f"calibration: {leg}" for leg in before if not leg.as_planned)
     else:
         setup, streams, true = _measured(scenario)
     start_ns = int(true["epoch_ns"][0])
@@ -113,7 +122,7 @@ def run(
         for name, estimator in estimators.items()
     }
     wall_s = time.perf_counter() - start
-    return Run(scenario, setup, streams, true, estimates, wall_s, ended, kept, said)
+    return Run(scenario, setup, streams, true, estimates, wall_s, end, kept, said)
 
 
 def _measured(scenario: Measured) -> tuple[Setup, Streams, Table]:
@@ -132,28 +141,12 @@ def _silent(fraction: float, driven_s: float) -> None:
     """Nobody wants to know."""
 
 
-def _ended(machine: Machine, true: Table) -> str:
-    """Why a run ended: the course driven, a stall, or a depth never reached."""
-    course, plough = machine.scenario.course, machine.scenario.plough
-    place_w = np.array([true[name][-1] for name in ("east_m", "north_m", "up_m")])
-    if course.edge_m is not None:
-        return "course driven"  # to the platform's side or to its end
-    along_m = float(place_w @ machine.world_from_ground[:, 0])
-    if course.passes > 1:
-        along_m = float(np.sum(np.abs(true["speed_mps"]))) * truth.PERIOD_NS * 1e-9
-    if along_m < length_m(machine.scenario) - 1.0:
-        return f"stalled {along_m:.1f} m along the course"
-    if plough is not None and not true["ploughing"].any():
-        return f"never at {FULL_DEPTH:.0%} of the set depth"
-    return "course driven"
-
-
 def sense(
     machine: Machine,
     driven: tuple[str, ...],
     progress: Progress,
     frames: Path | None = None,
-) -> tuple[Streams, Table, Frames | None]:
+) -> tuple[Streams, Table, Frames | None, list[End]]:
     """Drive a machine, after its calibration.
 
     Args:
@@ -163,7 +156,8 @@ def sense(
         frames: folder where the camera's frames are saved as PNG.
 
     Returns:
-        What its sensors gave, the truth of the run, and a few of its camera's frames.
+        What its sensors gave, the truth of the run, a few of its camera's frames, and how each
+        leg of the calibration and, last, the run ended.
     """
     scenario = machine.scenario
     recording, run_chunks = calibration.run_chunks(machine)
@@ -171,7 +165,7 @@ def sense(
     state = sensors.init(fitted, scenario.seed)
     tracker = _tracker(fitted, machine, frames)
     course_m, driven_m, driven_s = length_m(scenario), 0.0, 0.0
-    streams, parts, kept = [], [], list[Frames]()
+    streams, parts, kept, ends = [], [], list[Frames](), list[End]()
     with ThreadPoolExecutor(1) as pool:
         for chunk in itertools.chain(recording.chunks(), run_chunks):
             state, sampled = sensors.sample(fitted, state, chunk)
@@ -181,6 +175,8 @@ def sense(
             if tracker is not None:
                 tracker, sampled = tracking.track(tracker, sampled, pool)
             streams.append(sampled)
+            if chunk.end is not None:
+                ends.append(chunk.end)
             if chunk.epoch_ns[0] >= recording.start_ns:
                 parts.append(truth.sample(chunk, driven))
                 place_w = chunk["position_w"]
@@ -191,7 +187,8 @@ def sense(
     progress(1.0, driven_s)
     table = truth.integrate(truth.concatenate(parts), full_depth_m)
     true = {name: np.ascontiguousarray(c) for name, c in table.items()}
-    return concatenate(streams), true, ChainMap(*kept) if kept else None  # type: ignore[arg-type]
+    shown = ChainMap(*kept) if kept else None  # type: ignore[arg-type,var-annotated]
+    return concatenate(streams), true, shown, ends
 
 
 def _tracker(fitted: Sensors, machine: Machine, frames: Path | None) -> Tracker | None:

@@ -6,12 +6,15 @@ Pure functions on tables. A NaN, in the estimate or in the truth, is left out an
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.streams import Table
+
+if TYPE_CHECKING:
+    from twin.machine.ends import End
 
 Array = NDArray[np.float64]
 
@@ -19,6 +22,8 @@ SETTLE_S = 5.0
 """Without ploughing the first seconds are a start from standstill and are not scored [s]."""
 SETTLE_M = 5.0
 """Distance after the plough is at full depth that is not scored [m]."""
+LEAST_S = 1.0
+"""Of a run that ended early, less than this is not scored [s]."""
 SLOW_MPS = 0.3
 """Below this estimated speed an estimated slip is not worth showing [m/s]; scores count it."""
 SMALLEST_TOTAL_M = 0.05
@@ -55,6 +60,24 @@ def scored_window_s(truth: Table, scenario: Any) -> tuple[float, float]:
     course = getattr(scenario, "course", None)
     short = course is None or course.edge_m is not None
     return window_s(truth, settle_s=0.0) if short else window_s(truth)
+
+
+def why_unscored(truth: Table, scenario: Any, end: End | None) -> str | None:
+    """Why a run that ended early leaves nothing to score; None where there is enough."""
+    if end is None or not end.early:
+        return None
+    ploughs = getattr(scenario, "plough", None) is not None
+    if ploughs and not np.any(truth["ploughing"]):
+        return "it ended before the plough was at its full depth"
+    first_s, last_s = scored_window_s(truth, scenario)
+    if last_s - first_s >= LEAST_S:
+        return None
+    begins = "its start"
+    if ploughs:
+        begins = f"the first {SETTLE_M:g} m at full depth"
+    elif scenario.course.edge_m is None:
+        begins = f"the first {SETTLE_S:g} s"
+    return f"it drove less than {LEAST_S:g} s beyond {begins}"
 
 
 def _start_of_ploughing_s(truth: Table, time: Array) -> float | None:

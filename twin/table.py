@@ -30,6 +30,17 @@ def score_rows(scores: Mapping[str, Any]) -> list[list[str]]:
     return rows
 
 
+def end_lines(scores: Mapping[str, Any]) -> list[str]:
+    """How a run ended that was not driven as planned, its outcome in capitals; else nothing."""
+    end, lines = scores.get("end"), []
+    if end is not None and not end["as_planned"]:
+        outcome, ended = end["outcome"], str(scores["ended"])
+        lines.append(ended.replace(outcome, outcome.upper(), 1))
+    if scores.get("unscored") is not None:
+        lines.append(f"not scored: {scores['unscored']}")
+    return lines
+
+
 def slip_lines(scores: Mapping[str, Any]) -> list[str]:
     """What `twin estimate` found of slip, a sentence each; nothing for a simulated run."""
     lines = [f"{n}: {_spread(s)}, while driving" for n, s in scores.get("slip", {}).items()]

@@ -7,9 +7,9 @@ import pytest
 
 from tests.machine.rigs import BARE, PLOUGHING, bare_rig, plough_rig, soiled
 from twin.machine.build import build
-from twin.machine.notes import notes
+from twin.machine.notes import notes, overspeed
 from twin.run import run
-from twin.scenario import Course, Scenario, Soil
+from twin.scenario import Course, Field, Scenario, Soil
 
 
 def test_the_settled_loads_are_the_weight():
@@ -46,3 +46,29 @@ def test_a_soil_that_bears_is_not_noted_and_one_that_does_not_is():
 def test_a_run_carries_its_notes():
     short = dataclasses.replace(PLOUGHING, plough=None, course=Course(approach_m=1, length_m=3))
     assert run(short, estimators={}).notes == notes(build(short))
+
+
+def turning(rpm):
+    """Truth at 50 Hz of an engine with these speeds."""
+    epoch_ns = 20_000_000 * np.arange(len(rpm), dtype=np.int64)
+    return {"epoch_ns": epoch_ns, "engine_radps": np.asarray(rpm) * np.pi / 30.0}
+
+
+def test_an_engine_far_above_its_no_load_speed_for_a_second_is_noted():
+    numbers = {"engine.no_load_rpm": 2000.0}
+    rpm = np.full(500, 2290.0)
+    assert overspeed(numbers, turning(rpm)) == ()
+    rpm[100:140], rpm[200:240] = 3000.0, 3000.0  # 0.8 s each
+    assert overspeed(numbers, turning(rpm)) == ()
+    rpm[300:361], rpm[400:] = 2400.0, 2500.0
+    (note,) = overspeed(numbers, turning(rpm))
+    assert "above 2300 rpm, 1.15 of its no-load speed, for 3.2 s from 6.0 s on" in note
+    assert "up to 3000 rpm" in note
+
+
+def test_down_a_steep_slope_a_run_notes_its_engine():
+    down = dataclasses.replace(
+        BARE, plough=None, field=Field(grade_deg=-15.0), course=Course(approach_m=1, length_m=50)
+    )
+    *_, note = run(down, estimators={}).notes
+    assert note.startswith("engine above 2760 rpm")

@@ -75,13 +75,19 @@ def execute(scenario: Any, options: Options, command: str = "") -> Path:
     shown = not (options.quiet or options.json)
     with progress(scenario.name, shown=shown) as told, _pngs(options.frames) as frames:
         result = run(scenario, estimators=estimators, progress=told, frames=frames)
+    unscored = scores.why_unscored(result.truth, scenario, result.end)
+    scored = result.truth if unscored is None else None
     window = scores.scored_window_s(result.truth, scenario)
     table = scores.score(
-        result.truth, result.estimates, scenario=scenario.name, seed=scenario.seed, window=window
+        scored, result.estimates, scenario=scenario.name, seed=scenario.seed, window=window
     )
-    table["bound"] = limits(result.setup, result.streams, result.truth, window)
-    table["ended"] = result.ended
-    table["notes"] = list(result.notes)
+    table |= {
+        "bound": None if scored is None else limits(result.setup, result.streams, scored, window),
+        "ended": result.ended,
+        "end": None if result.end is None else result.end.plain(),
+        "unscored": unscored,
+        "notes": list(result.notes),
+    }
     runfolder.write(result, table, directory, pictures=_pictures(command))
     _say(result, table, directory, options)
     return directory
@@ -161,7 +167,7 @@ def _say(result: Run, table: Mapping[str, Any], directory: Path, options: Option
     elif not options.quiet:
         print_scores(table)
         for note in result.notes:
-            console().print(f"beyond the law's range: {note}", style="dim", highlight=False)
+            console().print(f"note: {note}", style="dim", highlight=False)
         simulated_s = float(result.truth["epoch_ns"][-1] - result.truth["epoch_ns"][0]) * 1e-9
         pace = f"{simulated_s:.0f} s driven in {result.wall_s:.1f} s" if result.wall_s else ""
         console().print(f"{pace}; {directory}/report.html, {directory}/run.rrd", highlight=False)

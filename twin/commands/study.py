@@ -34,6 +34,8 @@ SHOWN = {
     "sideslip_m.rel_err": ("sideslip error [%]", 100.0),
 }
 """Quantity -> heading on the terminal, and its scale."""
+EARLY_SHOWN = 20
+"""So many runs that were not driven as planned are named on the terminal."""
 DRAWN = {"slip.rmse": "RMSE of slip", "sideslip_angle_rad.rmse": "RMSE of sideslip angle [rad]"}
 
 
@@ -185,7 +187,8 @@ def _finish(cases: Sequence[Any], folder: Path, swept: list[str], options: Study
     summary = study.rows(groups, study.quantities(rows, swept), options.against)
     rows_file.write(summary, folder / SUMMARY)
     deliver(summary, options.json)
-    drawn = [*_draw(groups, folder), *_report(summary, folder, len(cases), options.against)]
+    early = study.early_ends(rows, swept)
+    drawn = [*_draw(groups, folder), *_report(summary, folder, len(cases), options.against, early)]
     if options.talks:
         print_means(groups)
         failed = [row for row in rows if row["error"] is not None]
@@ -193,12 +196,20 @@ def _finish(cases: Sequence[Any], folder: Path, swept: list[str], options: Study
             f"{r['scenario']}, {r['estimator']}: {r['error']}" for r in failed
         ):
             console().print(f"failed: {text}", style="dim", highlight=False, markup=False)
+        for text in early[:EARLY_SHOWN]:
+            console().print(f"not driven: {text}", style="red", highlight=False, markup=False)
+        if len(early) > EARLY_SHOWN:
+            console().print(f"and {len(early) - EARLY_SHOWN} more, in {TABLE}", style="red")
         files = ", ".join(str(folder / name) for name in (TABLE, SUMMARY, *drawn))
         console().print(f"{len(cases)} runs; {files}", highlight=False)
 
 
 def _report(
-    summary: Sequence[Mapping[str, Any]], folder: Path, count: int, against: str | None
+    summary: Sequence[Mapping[str, Any]],
+    folder: Path,
+    count: int,
+    against: str | None,
+    early: Sequence[str],
 ) -> list[str]:
     """The page of the scores that are shown, and of their paired differences."""
     from twin.report import rows
@@ -210,12 +221,13 @@ def _report(
         for row in summary
         if row["quantity"] == f"{quantity}{less}"
     ]
-    if not shown:
+    if not (shown or early):
         return []
     about = f"Means of {count} runs over the seeds, and their 95 % intervals."
     asked = json.loads((folder / PLAN).read_text())["twin study"]
     command = f"twin study {shlex.join(asked)}"
-    rows.write_intervals(folder / REPORT, f"Study: {folder.name}", about, shown, command)
+    title = f"Study: {folder.name}"
+    rows.write_intervals(folder / REPORT, title, about, shown, command, not_driven=early)
     return [REPORT]
 
 
@@ -247,12 +259,17 @@ def print_means(groups: Sequence[Group]) -> None:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="mean ± half the 95 % interval")
     for heading in ("setting", "estimator"):
         table.add_column(heading)
-    for heading in ("runs", "failed", *(SHOWN[q][0].replace("[", r"\[") for q in shown)):
+    for heading in (
+        "runs",
+        "failed",
+        "not driven",
+        *(SHOWN[q][0].replace("[", r"\[") for q in shown),
+    ):
         table.add_column(heading, justify="right")
     for group in groups:
         means = {q: mean(group.values(q).values()) for q in shown}
         cells = [_cell(means[q], SHOWN[q][1]) for q in shown]
-        counts = (str(len(group.rows)), str(group.failed or ""))
+        counts = (str(len(group.rows)), str(group.failed or ""), str(group.not_driven or ""))
         table.add_row(group.setting, group.estimator, *counts, *cells)
     console().print(table)
 

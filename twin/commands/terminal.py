@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from rich.console import Console
 
-from twin.table import HEADERS, score_rows
+from twin.table import HEADERS, end_lines, score_rows
 
 if TYPE_CHECKING:
     from twin.many import Told
@@ -25,11 +25,13 @@ def console(*, stderr: bool = False) -> Console:
 
 
 def print_scores(scores: Mapping[str, Any]) -> None:
-    """The score table, and above it what was driven."""
+    """The score table, and above it what was driven and, where it was not as planned, its end."""
     from rich import box
     from rich.markup import escape
     from rich.table import Table
 
+    for line in end_lines(scores):
+        console().print(line, style="bold red", highlight=False, markup=False)
     rows = score_rows(scores)
     if not rows:
         return
@@ -54,8 +56,6 @@ def _title(scores: Mapping[str, Any]) -> str:
     ):
         if truth.get(key) is not None:
             said.append(form.format(truth[key]))
-    if scores.get("ended", "course driven") != "course driven":
-        said.append(str(scores["ended"]).upper())
     return ", ".join(said)
 
 

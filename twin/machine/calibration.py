@@ -157,7 +157,10 @@ def _shifted(
     columns = dict(chunk.columns)
     if wheel_angle_rad is not None:
         columns["wheel_angle_rad"] = columns["wheel_angle_rad"] + wheel_angle_rad
-    return Trajectory(chunk.epoch_ns + by_ns, columns)
+    end = chunk.end
+    if end is not None:
+        end = replace(end, time_s=end.time_s + by_ns * 1e-9)
+    return Trajectory(chunk.epoch_ns + by_ns, columns, end)
 
 
 def run_chunks(machine: Machine) -> tuple[Recording, Iterator[Trajectory]]:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.machine.build import Machine
+from twin.machine.ends import End
 from twin.machine.trajectory import Trajectory
 from twin.physics import block
 from twin.physics.block import MachineSlot, PowerSlot, WheelSlot
@@ -75,14 +76,16 @@ class Recorder:
         """Simulated time recorded so far."""
         return self.steps * self.step_ns * 1e-9
 
-    def trajectory(self, records: Sequence[dict[Any, NDArray[Any]]]) -> Trajectory:
-        """One trajectory from consecutive records of (1, steps, ...) each."""
+    def trajectory(
+        self, records: Sequence[dict[Any, NDArray[Any]]], end: End | None = None
+    ) -> Trajectory:
+        """One trajectory from consecutive records of (1, steps, ...) each; the last has an end."""
         sensordata = np.concatenate([r["sensordata"][0] for r in records])  # (n, nsensordata)
         slots = np.concatenate([r["userdata"][0] for r in records])  # (n, nuserdata)
         n = len(slots)
         epoch_ns = (self.steps + np.arange(n, dtype=np.int64)) * self.step_ns
         self.steps += n
-        return Trajectory(epoch_ns, self._columns(sensordata, slots))
+        return Trajectory(epoch_ns, self._columns(sensordata, slots), end)
 
     def _columns(self, sensordata: Array, slots: Array) -> dict[str, Array]:
         def sensor(name: str) -> Array:

@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 
 from twin.machine.build import Machine
 from twin.machine.columns import Recorder
-from twin.machine.driver import Hands, Observed, Task, ackermann, drive
+from twin.machine.driver import FULL_DEPTH, Hands, Observed, Task, ackermann, drive
+from twin.machine.ends import End, Moment, Outcome, Watch, driven_speeds
+from twin.machine.geometry import geometry
 from twin.machine.guard import Tape, all_finite, diverged, quiet
 from twin.machine.passes import Passes
 from twin.machine.plough_setting import expected_draft_n
@@ -31,8 +33,6 @@ CONTROLS = (
     "throttle", "clutch_pedal", "brake", "steer_left", "steer_right", "lift",
     "differential_lock", "front_drive",
 )  # fmt: skip
-STALL_MPS = 0.05
-STALL_S = 5.0
 DEPTH_SLOT = block.MACHINE_SLOTS + int(MachineSlot.DEPTH_M)
 DRAFT_SLOT = block.MACHINE_SLOTS + int(MachineSlot.DRAFT_N)
 
@@ -77,6 +77,9 @@ class Cab:
         )
         self.hands = Hands(lift_rad=RAISED_RAD)
         self.passes = Passes(machine, self.batch)
+        self.decisions, self.deepest_m = 0, 0.0
+        self.watch, self.leg = Watch(machine, DECISION_S), self.passes.legs[0]
+        self.driven = [block.WHEELS.index(wheel) for wheel in geometry(machine).driven]
         self._start_rolling()
 
     def _start_rolling(self) -> None:
@@ -138,20 +141,64 @@ class Cab:
             scenario, model = self.machine.scenario, self.batch.get_model(0)
             raise diverged(scenario, model, self.tape, self.steps)
 
-    def finished(self, seen: Observed) -> bool:
-        """Whether the course has been driven; at the end of a pass before the last it goes on."""
+    def end(self) -> End | None:
+        """The end of the drive where it has come after a decision; else None, and it goes on."""
+        self.decisions += 1
+        seen, way = self.observe(), self._way()
+        self.deepest_m = max(self.deepest_m, seen.depth_m)
+        if self.passes.legs[0] is not self.leg:
+            self.leg = self.passes.legs[0]
+            self.watch.begin_leg()
+        found = self.watch.look(self._moment(seen))
+        if found is None or found[0] is not Outcome.ROLLED_OVER:
+            found = self._finished(seen) or found
+        if found is None:
+            return None
+        return End(
+            outcome=found[0],
+            time_s=self.decisions * DECISION_S,
+            along_m=seen.along_m,
+            left_m=seen.left_m,
+            way=way,
+            measured=found[1],
+        )
+
+    def _way(self) -> str:
+        """What is being driven, in words."""
+        if self.machine.scenario.course.passes == 1:
+            return "the course"
+        return f"{'the turn before ' if self.passes.turning else ''}pass {self.passes.count}"
+
+    def _moment(self, seen: Observed) -> Moment:
+        w, x, y, z = self.qpos[0, 3:7]
+        rim_mps, hub_mps = driven_speeds(self.userdata[0], self.driven)
+        return Moment(
+            along_m=seen.along_m,
+            left_m=seen.left_m,
+            follows=self.machine.scenario.course.hold_line and not seen.turning,
+            up_b=np.array([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]),
+            rim_mps=rim_mps,
+            hub_mps=hub_mps,
+        )
+
+    def _finished(self, seen: Observed) -> tuple[Outcome, float] | None:
+        """The end of the course; at the end of a pass before the last it goes on."""
         if seen.turning:
-            return False
+            return None
         course = self.machine.scenario.course
         if course.edge_m is not None and self._past_edge(seen, course.edge_m):
-            return True
+            return Outcome.EDGE, seen.along_m
         start = course.approach_m
         if self.task.depth_m is not None:
             start = min(self.hands.full_depth_at_m, start + LOWERING_M)
         if seen.along_m < start + course.length_m:
-            return False
+            return None
         self.hands = replace(self.hands, full_depth_at_m=math.inf, bias_rad=0.0)
-        return self.passes.end(seen.along_m)
+        if not self.passes.end(seen.along_m):
+            return None
+        if self.task.depth_m is not None and self.deepest_m < FULL_DEPTH * self.task.depth_m:
+            return Outcome.SHALLOW, self.deepest_m
+        return Outcome.DRIVEN, seen.along_m
 
     def _past_edge(self, seen: Observed, edge_m: float) -> bool:
         """Whether a corner of the machine is beyond the edge, at either side of the line."""
@@ -165,24 +212,19 @@ class Cab:
 def simulate(machine: Machine, chunk_decisions: int = CHUNK_DECISIONS) -> Iterator[Trajectory]:
     """Drive the scenario's course; trajectories of about a second each, contiguous.
 
-    Ends at the end of the course, or where the tractor has stalled: gained less than 0.25 m along
-    a leg of it in 5 s, whether it stands, rocks, spins its wheels or slides away.
+    The last says how the drive ended: at the end of the course, or early (`twin.machine.ends`)
+    where the tractor has rolled over, left its line, got stuck on spinning wheels, slid away on
+    skidding ones or stalled: gained less than 0.25 m along a leg of the course in 5 s, whether it
+    stands, rocks or slides.
 
     Raises:
         Diverged: a state is not finite, or MuJoCo warned.
     """
-    cab, recorder = Cab(machine), Recorder(machine)
-    reached_m, standing_s, finished, leg = 0.0, 0.0, False, cab.passes.legs[0]
-    while not finished:
+    cab, recorder, end = Cab(machine), Recorder(machine), None
+    while end is None:
         records: list[dict[Any, NDArray[Any]]] = []
         with quiet():
-            while not (finished or len(records) == chunk_decisions):
+            while end is None and len(records) < chunk_decisions:
                 records.append(cab.act())
-                seen = cab.observe()
-                standing_s += DECISION_S
-                if cab.passes.legs[0] is not leg:
-                    reached_m, leg = -math.inf, cab.passes.legs[0]
-                if seen.along_m >= reached_m + STALL_MPS * STALL_S:
-                    reached_m, standing_s = seen.along_m, 0.0
-                finished = cab.finished(seen) or standing_s > STALL_S
-        yield recorder.trajectory(records)
+                end = cab.end()
+        yield recorder.trajectory(records, end)

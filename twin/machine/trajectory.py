@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.machine.ends import End
+
 
 @dataclass(frozen=True)
 class Trajectory:
@@ -18,6 +20,8 @@ class Trajectory:
     """Physics grid, shape (n,)."""
     columns: Mapping[str, NDArray[Any]]
     """Quantity by name, each of shape (n, ...)."""
+    end: End | None = None
+    """How the drive ended, in its last chunk."""
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         return self.columns[name]

@@ -17,6 +17,7 @@ h2 { font-size: 1.1rem; margin: 2.2rem 0 .5rem }
 p { margin: .4rem 0 }
 p.soft { max-width: 45rem }
 li { overflow-wrap: anywhere }
+.ended { color: #b3261e; font-weight: 600; max-width: 45rem }
 .soft, figcaption { color: var(--soft); font-size: .9rem }
 .wide { overflow-x: auto }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .92rem }

@@ -12,7 +12,7 @@ from twin.report import errors, figures
 from twin.report.html import document, made_with, table
 from twin.report.html import figures as figures_of
 from twin.runfolder import RunLike
-from twin.table import HEADERS, score_rows, slip_lines
+from twin.table import HEADERS, end_lines, score_rows, slip_lines
 
 SLIP_OVER_TIME = (
     "Black: truth. Bands: ±2 reported standard deviations; about the truth, ±2 of the causal "
@@ -44,6 +44,7 @@ def page(run: RunLike, scores: Mapping[str, Any], command: str = "") -> str:
     title = name if seed is None else f"{name}, seed {seed}"
     parts = [
         f'<p class="soft">{html.escape(_what(run, scores))}</p>',
+        *(f'<p class="ended">{html.escape(line)}</p>' for line in end_lines(scores)),
         _driven(scores.get("truth") or {}),
         _headline(scores),
         _found(scores),
@@ -57,8 +58,11 @@ def page(run: RunLike, scores: Mapping[str, Any], command: str = "") -> str:
 def _what(run: RunLike, scores: Mapping[str, Any]) -> str:
     window = scores.get("window_s")
     scored = f"scored from {window[0]:.1f} s to {window[1]:.1f} s" if window else "not scored"
-    kind = "Recorded log of" if run.scenario is None else "Simulated run of"
-    return f"{kind} {run.setup.machine}, {scored}."
+    if run.scenario is None:
+        return f"Recorded log of {run.setup.machine}, {scored}."
+    end = scores.get("end") or {"as_planned": True}
+    driven = "" if not end["as_planned"] else f" {str(scores.get('ended', '')).capitalize()}"
+    return f"Simulated run of {run.setup.machine}, {scored}.{driven.rstrip()}"
 
 
 def _driven(truth: Mapping[str, float | None]) -> str:

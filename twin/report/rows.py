@@ -23,7 +23,15 @@ BEYOND = 1.6
 ROW_IN, LABEL_LETTERS = 0.19, 32
 
 
-def write_intervals(path: Path, title: str, about: str, rows: Rows, command: str) -> None:
+def write_intervals(
+    path: Path,
+    title: str,
+    about: str,
+    rows: Rows,
+    command: str,
+    *,
+    not_driven: Sequence[str] = (),
+) -> None:
     """Means with 95 % intervals: a figure for each quantity, a line for each case.
 
     Args:
@@ -31,6 +39,7 @@ def write_intervals(path: Path, title: str, about: str, rows: Rows, command: str
         title, about: heading, and what was done, in a sentence.
         rows: as `twin.rows` has them, the interval in `low` and `high`.
         command: what does it again.
+        not_driven: runs that did not drive their course, and how each ended.
     """
     quantities = list(dict.fromkeys(row["quantity"] for row in rows))
     drawn = [
@@ -43,10 +52,16 @@ def write_intervals(path: Path, title: str, about: str, rows: Rows, command: str
     parts = [
         f'<p class="soft">{html.escape(about)}</p>',
         table(["", *(_named(q, rows) for q in quantities)], lines),
+        _listed(f"Not driven as planned: {len(not_driven)} runs", not_driven),
         figures(drawn),
         made_with(command),
     ]
     write_text(path, document(title, parts))
+
+
+def _listed(heading: str, lines: Sequence[str]) -> str:
+    items = "".join(f"<li>{html.escape(line)}</li>" for line in lines)
+    return f"<h2>{heading}</h2><ul>{items}</ul>" if lines else ""
 
 
 def write_checks(

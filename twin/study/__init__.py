@@ -12,11 +12,11 @@ missing, and nothing is kept in memory.
 """
 
 from twin.study.plan import Case, plan
-from twin.study.summary import Group, groups, quantities, rows
+from twin.study.summary import Group, early_ends, groups, quantities, rows
 from twin.study.table import failed, read, write_table
 from twin.study.work import missing, work
 
 __all__ = [
-    "Case", "Group", "failed", "groups", "missing", "plan", "quantities", "read", "rows", "work",
-    "write_table",
+    "Case", "Group", "early_ends", "failed", "groups", "missing", "plan", "quantities", "read",
+    "rows", "work", "write_table",
 ]  # fmt: skip

@@ -1,6 +1,7 @@
 """One run of a study, from the scenario to a Parquet file with a row for each estimator.
 
-What fails is a row with its error: a run's in all of its rows, an estimator's in its own.
+What fails is a row with its error: a run's in all of its rows, an estimator's in its own. A run
+that was not driven as planned is no failure; its rows say how it ended, and what there is to score.
 """
 
 from __future__ import annotations
@@ -38,28 +39,35 @@ def write(case: Case, folder: Path) -> None:
 
 
 def rows(case: Case) -> list[Row]:
-    """A row for each estimator: what was run, `error`, `ended`, `truth.*`, and its scores."""
+    """A row for each estimator: what was run, `error`, `ended`, `truth.*`, and its scores.
+
+    `ended` is how the run ended in words, `as_planned` whether that is the end of its course.
+    """
     from twin.run import run
 
     head = {"scenario": case.scenario, "seed": case.run.seed, **dict(case.swept)}
     try:
         done = run(case.run, estimators={})
     except Exception as error:  # whatever a user's scenario or soil law raises
-        failed = head | {"error": _said(error), "ended": None}
+        failed = head | {"error": _said(error), "ended": None, "as_planned": None}
         return [failed | {"estimator": name} for name in case.estimators]
     return [head | {"estimator": name} | _estimated(case, name, done) for name in case.estimators]
 
 
 def _estimated(case: Case, name: str, done: Any) -> Row:
+    planned = done.end is None or done.end.as_planned
+    head: Row = {"error": None, "ended": done.ended, "as_planned": planned}
+    if scores.why_unscored(done.truth, case.run, done.end) is not None:
+        return head
     window = scores.scored_window_s(done.truth, case.run)
-    summary = flat({"truth": scores.truth_summary(done.truth, window)})
+    head |= flat({"truth": scores.truth_summary(done.truth, window)})
     try:
         estimator = seeded(registry.load("estimator", name), case.run.seed)
         table = estimates(name, estimator, done.setup, done.streams)
         found = flat(scores.estimator_scores(done.truth, table, window))
     except Exception as error:  # whatever a user's estimator raises
-        return {"error": _said(error), "ended": done.ended} | summary
-    return {"error": None, "ended": done.ended} | summary | found
+        return head | {"error": _said(error)}
+    return head | found
 
 
 def seeded(estimator: Any, seed: int) -> Any:

@@ -2,7 +2,8 @@
 
     mean -+ t(0.975, n - 1) sd / sqrt(n)
 
-Runs that failed are left out and counted.
+Runs that failed are left out and counted. Runs that were not driven as planned are counted, and
+stand in the means with what was scored of them.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ Row = Mapping[str, Any]
 
 UNITS = {"m": "m", "rad": "rad", "mps": "m/s", "kmh": "km/h", "kn": "kN"}
 """Last part of a quantity's name -> its unit."""
-NOT_MEASURED = {"scenario", "seed", "estimator", "error", "ended"}
+NOT_MEASURED = {"scenario", "seed", "estimator", "error", "ended", "as_planned"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +42,11 @@ class Group:
     def failed(self) -> int:
         """How many ended in an error."""
         return sum(each["error"] is not None for each in self.rows)
+
+    @property
+    def not_driven(self) -> int:
+        """How many did not drive their course as planned."""
+        return sum(each.get("as_planned") is False for each in self.rows)
 
     def values(self, quantity: str) -> dict[int, float]:
         """Seed -> value, where there is one."""
@@ -68,6 +74,23 @@ def groups(rows: Iterable[Row], swept: Sequence[str]) -> list[Group]:
         Group(scenario=scenario, swept=values, estimator=estimator, rows=tuple(held))
         for (scenario, values, estimator), held in found.items()
     ]
+
+
+def early_ends(rows: Iterable[Row], swept: Sequence[str]) -> list[str]:
+    """How each run ended that was not driven as planned, a line for each run."""
+    lines = (
+        ", ".join(
+            [
+                each["scenario"],
+                *(f"{path} = {each[path]}" for path in swept),
+                f"seed {each['seed']}",
+            ]
+        )
+        + f": {each['ended']}"
+        for each in rows
+        if each.get("as_planned") is False
+    )
+    return list(dict.fromkeys(lines))  # each estimator has a row of the run
 
 
 def quantities(rows: Iterable[Row], swept: Sequence[str]) -> list[str]:
@@ -114,6 +137,7 @@ def rows(
         case = f"{group.setting}, {group.estimator}"
         out.append(row(case, "runs", len(group.rows), "1"))
         out.append(row(case, "failed", group.failed, "1"))
+        out.append(row(case, "not driven as planned", group.not_driven, "1"))
         reference = references.get(group.setting)
         for quantity in measured:
             out += _row(case, quantity, mean(group.values(quantity).values()), quantity)

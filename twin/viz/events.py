@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import rerun as rr
@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from twin.streams import Streams, Table
 from twin.viz.paths import EVENTS
 from twin.viz.tools import times
+
+if TYPE_CHECKING:
+    from twin.machine.ends import End
 
 Array = NDArray[Any]
 
@@ -41,7 +44,9 @@ def log_events(recording: rr.RecordingStream, found: Iterable[Event]) -> None:
     recording.send_columns(EVENTS, stamps, rr.TextLog.columns(text=text, level=level))
 
 
-def events(truth: Table, streams: Streams, scenario: Any, ended: str = "") -> Iterator[Event]:
+def events(
+    truth: Table, streams: Streams, scenario: Any, end: End | None = None
+) -> Iterator[Event]:
     """What happened in a run: truth's events, then those that a sensor tells of itself."""
     epoch_ns = truth.get("epoch_ns", np.empty(0, np.int64))
     start_ns = int(epoch_ns[0]) if len(epoch_ns) else 0
@@ -66,9 +71,8 @@ def events(truth: Table, streams: Streams, scenario: Any, ended: str = "") -> It
             text = "odometry finds its way again" if used else "odometry loses its way"
             level = "INFO" if used else "WARN"
             yield Event(int(camera["epoch_ns"][kept][row]), text, level)
-    if ended and len(epoch_ns):
-        good = ended == "course driven"
-        yield Event(int(epoch_ns[-1]), ended, "INFO" if good else "ERROR")
+    if end is not None and len(epoch_ns):
+        yield Event(int(epoch_ns[-1]), str(end), "INFO" if end.as_planned else "ERROR")
 
 
 def drive_events(streams: Streams, notes: Sequence[str] = ()) -> Iterator[Event]:

@@ -67,7 +67,7 @@ def record(
             scene.log_machine(recording, moments, model)
         if frames:
             log_frames(recording, streams, frames)
-        log_events(recording, events(truth, streams, scenario, getattr(run, "ended", "")))
+        log_events(recording, events(truth, streams, scenario, getattr(run, "end", None)))
         _plot(recording, streams, run.setup, run.estimates, truth)
         plots.plot_control(recording, control or {})
 
