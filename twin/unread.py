@@ -6,6 +6,7 @@ A scenario of signals says it of its own by a method `unread() -> {field: what i
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import MISSING, dataclass, fields
 from typing import Any
@@ -13,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from twin.errors import BadInput
+from twin.physics.law_reads import fields_read
 from twin.scenario import DEFORMABLE_RANGES, Scenario, Soil
 from twin.sensors.faults import KINDS
 from twin.sensors.fix import Mode, timeline
@@ -54,14 +56,19 @@ def _mixed(scenario: Scenario) -> bool:
     return scenario.field.soil_map is not None or scenario.field.other_share > 0.0
 
 
-def _some_law_but(name: str) -> Met:
-    """Whether a law of the ground is another; where soils meet, each law reads both of them."""
+def _law_reads(*names: str) -> Met:
+    """Whether a law of the ground reads one of these; where soils meet, each law reads both."""
 
     def met(scenario: Scenario) -> bool:
         other = {scenario.field.other_soil.law} if _mixed(scenario) else set()
-        return bool({scenario.soil.law, *other} - {name})
+        return any(not _read_by(law).isdisjoint(names) for law in {scenario.soil.law, *other})
 
     return met
+
+
+def _read_by(law: str) -> frozenset[str]:
+    """Fields of a soil that a law reads, of those that laws differ in."""
+    return LAW_READS[law] if law in LAW_READS else fields_read(law)
 
 
 def _of(sensor: str, holds: Callable[[Any], bool]) -> Met:
@@ -89,6 +96,13 @@ def _outage(*kinds: str) -> Met:
 
 
 DEFORMABLE = tuple(DEFORMABLE_RANGES)
+LAW_READS = {
+    "brixius": frozenset({"friction", "cone_index_kpa"}),
+    "bekker": frozenset({"friction", *DEFORMABLE}),
+}
+STRENGTH = ("cone_index_kpa", "k_c_kn_per_m_n1", "k_phi_kn_per_m_n2")
+"""What varies with the cone index from place to place."""
+OWN_LAW = "a law of your own that reads it"
 ALL_OF_THEM = "all of the numbers of Bekker's law, which the preset lacks"
 RULES = (
     Rule("field.soil_map, or field.other_share above 0", _mixed,
@@ -98,9 +112,14 @@ RULES = (
     Rule("field.height_map or field.soil_map",
          lambda s: s.field.height_map is not None or s.field.soil_map is not None,
          ("field.map_cell_m", "field.map_start_m")),
-    Rule("soil.law = brixius, or one of your own", _some_law_but("bekker"),
+    Rule(f"soil.law = brixius or bekker, or {OWN_LAW}", _law_reads("friction"),
+         _both("friction")),
+    Rule(f"soil.law = brixius, or {OWN_LAW}", _law_reads("cone_index_kpa"),
          _both("cone_index_kpa")),
-    Rule("soil.law = bekker, or one of your own", _some_law_but("brixius"), _both(*DEFORMABLE)),
+    *(Rule(f"soil.law = bekker, or {OWN_LAW}", _law_reads(name), _both(name))
+      for name in DEFORMABLE),
+    Rule(f"soil.law = brixius or bekker, or {OWN_LAW}", _law_reads("friction", *STRENGTH),
+         ("soil.strength_cv",)),
     Rule(ALL_OF_THEM, lambda s: s.soil.resolved.deformable is not None,
          tuple(f"soil.{name}" for name in DEFORMABLE)),
     Rule(ALL_OF_THEM, lambda s: s.field.other_soil.resolved.deformable is not None,
@@ -160,7 +179,15 @@ def unread(scenario: Any) -> dict[str, str]:
     for rule in RULES:
         if not rule.met(scenario):
             found = dict.fromkeys(rule.fields, rule.needs) | found
-    return found | dict(_idle_faults(scenario))
+    return found | dict(_idle_patches(scenario)) | dict(_idle_faults(scenario))
+
+
+def _idle_patches(scenario: Scenario) -> Iterator[tuple[str, str]]:
+    """What patches change that a law of the user's own does not read."""
+    factors = {"friction_factor": ("friction",), "cone_index_factor": STRENGTH}
+    idle = [f for f, names in factors.items() if not _law_reads(*names)(scenario)]
+    for i, factor in itertools.product(range(len(scenario.field.patches)), idle):
+        yield f"field.patches.{i}.{factor}", OWN_LAW
 
 
 def _idle_faults(scenario: Scenario) -> Iterator[tuple[str, str]]:

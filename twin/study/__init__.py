@@ -17,6 +17,6 @@ from twin.study.table import failed, read, write_table
 from twin.study.work import missing, work
 
 __all__ = [
-    "Case", "Group", "failed", "groups", "left_out", "missing", "plan", "quantities", "read", "rows",
-    "work", "write_table",
+    "Case", "Group", "failed", "groups", "left_out", "missing", "plan", "quantities", "read",
+    "rows", "work", "write_table",
 ]  # fmt: skip
