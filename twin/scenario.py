@@ -246,7 +246,8 @@ class Field:
     other_length_m: float = 10.0
     """Size of those patches [m]."""
     other_soil: Soil = SOFT
-    """The soil of the map or the patches: friction, strength, Bekker's numbers; draft as ever."""
+    """The soil of the map or the patches: its law, friction, strength and scale of the draft. What
+    varies with place, and rocks, are those of `soil` everywhere."""
     patches: tuple[Patch, ...] = ()
     """Stretches of other soil, four at most; overlapping ones multiply."""
 
