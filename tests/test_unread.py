@@ -17,7 +17,7 @@ from twin.rig.tyre import Tyre
 from twin.rig.wheel import wheel
 from twin.run import run
 from twin.scenario import Field, Patch, Plough, Scenario, Soil
-from twin.sensors import Fault, Gnss, Outage, Sensors
+from twin.sensors import Fault, Gnss, Outage, Sensors, ideal
 from twin.soils import LAWS, PRESETS
 from twin.study import left_out, plan
 from twin.unread import LAW_READS, RULES, complaint
@@ -237,6 +237,11 @@ def test_an_edited_preset_is_another_part_of_a_study(monkeypatch):
     before = plan(["plough-25cm"], [0], ["ratio"], {})[0].part
     monkeypatch.setitem(PRESETS, "firm", replace(PRESETS["firm"], friction=0.5))
     assert plan(["plough-25cm"], [0], ["ratio"], {})[0].part != before
+
+
+@pytest.mark.parametrize("plough", [None, Plough()])
+def test_sensors_without_errors_are_accepted(plough):
+    assert complaint(replace(BARE, plough=plough, sensors=ideal())) is None
 
 
 def test_a_scenario_can_be_put_together_in_steps():

@@ -203,7 +203,8 @@ def complaint(
 ) -> str | None:
     """What is set and would not be read, as a sentence; None where all is read.
 
-    Set is what differs from its default, and what the user has named.
+    Set is what differs from its default, and what the user has named. An error of a sensor that is
+    switched off, as in `twin.sensors.ideal`, asks for nothing.
 
     Args:
         scenario: what would be run.
@@ -215,7 +216,8 @@ def complaint(
             return f"{path} is kept of soil.preset and not set; set the soil's own fields"
     for path, needs in (unread(scenario) | dict(also or {})).items():
         held, usual = _held(scenario, path)
-        if path in named or held != usual:
+        off = path.startswith("sensors.") and held == 0.0
+        if path in named or (held != usual and not off):
             return f"{path} = {held} would not be read: it needs {needs}"
     return None
 
