@@ -43,6 +43,10 @@ class Trial:
     accel_bias_sd_mps2: float = 0.0
     """sd of the accelerometers' biases; 0.1 m/s2 is 0.6 degrees of pitch."""
 
+    def unread(self) -> dict[str, str]:
+        """Fields that `measure` does not read, and what they need."""
+        return {} if self.disturbance != "none" else {"disturbed": "disturbance lobe or cycle"}
+
     def measure(self) -> tuple[Setup, Streams, Table]:
         """What the estimators are told, what they see, and the truth."""
         signals = simulate(self)

@@ -1,8 +1,12 @@
-"""Frozen dataclasses to and from plain JSON values, by their own annotations."""
+"""Frozen dataclasses to and from plain JSON values, by their own annotations.
+
+JSON has no NaN: it becomes null, which a field that takes nothing but a float reads as NaN.
+"""
 
 from __future__ import annotations
 
 import dataclasses
+import math
 import types
 import typing
 from collections.abc import Mapping
@@ -21,7 +25,7 @@ def to_plain(value: Any) -> Any:
         return {str(k): to_plain(v) for k, v in value.items()}
     if isinstance(value, (list, tuple)):
         return [to_plain(v) for v in value]
-    return value
+    return None if isinstance(value, float) and math.isnan(value) else value
 
 
 def from_plain(kind: type[T], value: Any) -> T:
@@ -46,7 +50,7 @@ def from_plain(kind: type[T], value: Any) -> T:
 
 def _shaped(hint: Any, value: Any) -> Any:
     if value is None:
-        return None
+        return math.nan if hint is float else None
     if typing.get_origin(hint) is typing.Annotated:
         return _shaped(typing.get_args(hint)[0], value)
     if typing.get_origin(hint) in (typing.Union, types.UnionType):

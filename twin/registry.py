@@ -1,15 +1,21 @@
-"""Scenarios and estimators by name, or by `module:Name` from wherever the user stands."""
+"""Scenarios and estimators by name, or by `module:Name` from wherever the user stands.
+
+A scenario can also be read from the folder of a run, which repeats it.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import importlib
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from twin.errors import BadInput, UnknownName
+from twin.errors import BadInput, TwinError, UnknownName
 from twin.lookup import attribute, line
+from twin.plain import from_plain
+from twin.scenario import Scenario
 
 PACKAGES = {"scenario": "scenarios", "estimator": "estimators"}
 """Kind of thing -> the package whose `REGISTRY` maps its names to "module:Attribute"."""
@@ -25,13 +31,16 @@ def load(kind: str, spec: str) -> Any:
 
     `module:` alone means the module itself. The working directory is added to the end of the
     import path, so nothing in it shadows an installed package. A class is made into an
-    instance.
+    instance. A scenario is also a run's folder, or a scenario.json: what was driven.
 
     Raises:
         UnknownName: no such kind, or no such name and it is no `module:Name`.
-        BadInput: the module cannot be imported, lacks the attribute, or it is none of the kind.
+        BadInput: the module cannot be imported, lacks the attribute, or it is none of the kind;
+            or the file holds no scenario.
     """
     known = _registry(kind)
+    if kind == "scenario" and spec not in known and (path := _file(spec)) is not None:
+        return _kept(path)
     if ":" not in spec:
         if spec not in known and Path(f"{spec}.py").is_file():
             raise BadInput(f"no {kind} is called '{spec}'; of {spec}.py say what, as {spec}:Name")
@@ -47,6 +56,33 @@ def _registry(kind: str) -> Mapping[str, str]:
         raise UnknownName("kind", kind, PACKAGES)
     registry: Mapping[str, str] = importlib.import_module(PACKAGES[kind]).REGISTRY
     return registry
+
+
+def _file(spec: str) -> Path | None:
+    """The scenario.json that a folder has or a path names; None for what looks like neither."""
+    path = Path(spec)
+    inside = path / "scenario.json"
+    if inside.is_file() or (path.is_dir() and len(path.parts) > 1):
+        return inside
+    return path if path.suffix == ".json" else None
+
+
+def _kept(path: Path) -> Any:
+    """The scenario in a file: of the twin's own kind, or of a registered scenario's."""
+    try:
+        plain = json.loads(path.read_text())
+    except FileNotFoundError:
+        raise BadInput(f"{path} is missing") from None
+    except (OSError, ValueError) as error:
+        raise BadInput(f"{path} is not JSON: {line(error)}") from None
+    if not isinstance(plain, Mapping):
+        raise BadInput(f"{path} holds no scenario")
+    kinds = (type(load("scenario", name)) for name in names("scenario"))
+    fitting = (k for k in kinds if plain.keys() <= {f.name for f in dataclasses.fields(k)})
+    try:
+        return from_plain(Scenario if "machine" in plain else next(fitting, Scenario), plain)
+    except TwinError as error:
+        raise BadInput(f"{path}: {error}") from None
 
 
 def _scenario(spec: str, found: Any) -> Any:

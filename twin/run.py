@@ -29,6 +29,7 @@ from twin.machine.route import length_m
 from twin.scenario import Scenario
 from twin.sensors import Sensors
 from twin.streams import Frames, Setup, Streams, Table, concatenate
+from twin.unread import refuse_unread
 
 Progress = Callable[[float, float], None]
 """Told the share of the course driven, 0 to 1, and the time driven [s]."""
@@ -66,6 +67,7 @@ class Run:
     """What a run produced."""
 
     scenario: Scenario | Measured
+    """What was driven, its presets' numbers in it."""
     setup: Setup
     streams: Streams
     truth: Table
@@ -101,12 +103,15 @@ def run(
         frames: folder where the camera's frames are saved as PNG.
 
     Raises:
-        BadInput: an estimator or the signals fail; says which and where.
+        BadInput: a field is set that the run would not read, or an estimator or the signals fail;
+            says which and where.
         Diverged: the simulation left the finite numbers; its evidence repeats the last second.
     """
     start = time.perf_counter()
     end, said, kept = None, tuple[str, ...](), None
+    refuse_unread(scenario)
     if isinstance(scenario, Scenario):
+        scenario = scenario.with_numbers()
         machine = build(scenario)
         nominal = geometry(machine)
         setup = sensors.setup(scenario.sensors, nominal)

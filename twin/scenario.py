@@ -48,6 +48,14 @@ BORNE_PER_COHESION = 3.0
 """That pressure over the cohesion, at least [-]; 5.1 for a strip on clay (Prandtl)."""
 NEEDED = tuple(DEFORMABLE_RANGES)[:6]
 """What of it has no general value."""
+KEPT_RANGES = {
+    "friction": (0.05, 1.5),
+    "front_grip": (0.01, 10.0),
+    "slip_rate": (0.1, 100.0),
+    "rolling_moment": (0.0, 1.0),
+    "mobility_resistance": (0.0, 10.0),
+}
+"""Ranges of a preset's numbers that are no fields of a soil, or that its fields are set against."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,7 +67,8 @@ class Soil:
     law: str = "brixius"
     """Tyre-soil law: brixius, bekker, or your own as module:function."""
     friction: float | None = None
-    """Ceiling of the gross traction ratio [-]; 0.88 in Brixius."""
+    """Ceiling of the gross traction ratio [-]; 0.88 in Brixius. Cohesion and tan(phi) in Bekker's
+    law are multiplied by this over the preset's own friction."""
     cone_index_kpa: float | None = None
     """Cone index [kPa]; soft 450, tilled 900, firm 1200."""
     draft_scale: float | None = None
@@ -96,9 +105,11 @@ class Soil:
     """c_1 in theta_m = (c_1 + c_2 |s|) theta_1, the place of the greatest normal stress [-]."""
     stress_peak_slip: float | None = None
     """c_2 in it [-]; with both 0 the stress is Bekker's, greatest under the hub."""
+    numbers: Preset | None = None
+    """The preset's own numbers as a run has kept them in its scenario.json; None looks them up."""
 
     def __post_init__(self) -> None:
-        if self.preset not in PRESETS:
+        if self.preset not in PRESETS and not self._keeps_preset:
             raise UnknownName("soil preset", self.preset, PRESETS)
         if self.law not in LAWS and ":" not in self.law:
             raise UnknownName("soil law", self.law, LAWS)
@@ -112,11 +123,12 @@ class Soil:
                 "set soil.cone_index_kpa, or soil.law to bekker"
             )
         if resolved.deformable is not None:
-            if resolved.deformable is not PRESETS[self.preset].deformable:  # those are in range
+            known = PRESETS.get(self.preset)
+            if known is None or resolved.deformable is not known.deformable:  # those are in range
                 for name, (low, high) in DEFORMABLE_RANGES.items():
                     check_range(f"soil.{name}", getattr(resolved.deformable, name), low, high)
             if self.law == "bekker":
-                _check_bearing(resolved.deformable)
+                _check_bearing(resolved.deformable, self.friction_scale)
         elif self.law == "bekker":
             raise BadInput(
                 f"soil preset '{self.preset}' has no numbers for Bekker's law; another preset, "
@@ -129,13 +141,37 @@ class Soil:
         check_range("soil.strength_cv", resolved.strength_cv, 0.0, 0.3)
         check_range("soil.rocks_per_100m2", self.rocks_per_100m2, 0.0, 25.0)
         check_range("soil.rock_kn", self.rock_kn, 0.0, 50.0)
+        if self.numbers is not None:
+            for name, (low, high) in KEPT_RANGES.items():
+                check_range(f"soil.numbers.{name}", getattr(self.numbers, name), low, high)
+
+    @property
+    def _keeps_preset(self) -> bool:
+        """Whether the kept numbers are those of the preset; beside another they mean nothing."""
+        return self.numbers is not None and self.numbers.name == self.preset
+
+    @property
+    def _preset(self) -> Preset:
+        kept = self.numbers if self._keeps_preset else None
+        return PRESETS[self.preset] if kept is None else kept
+
+    def with_numbers(self) -> Soil:
+        """The same soil, which no edit of the preset changes any more."""
+        return dataclasses.replace(
+            self, numbers=dataclasses.replace(self._preset, name=self.preset)
+        )
 
     @cached_property
     def resolved(self) -> Preset:
         """The preset with this soil's own numbers in place."""
-        preset = PRESETS[self.preset]
+        preset = self._preset
         own = self._given("friction", "cone_index_kpa", "draft_scale", "strength_cv")
         return dataclasses.replace(preset, **own, deformable=self._deformable(preset.deformable))
+
+    @property
+    def friction_scale(self) -> float:
+        """Friction over the preset's own: what cohesion and tan(phi) are multiplied by [-]."""
+        return self.resolved.friction / self._preset.friction
 
     def _deformable(self, preset: Deformable | None) -> Deformable | None:
         own = self._given(*DEFORMABLE_RANGES)
@@ -148,17 +184,19 @@ class Soil:
         return {n: value for n in names if (value := getattr(self, n)) is not None}
 
 
-def _check_bearing(soil: Deformable) -> None:
+def _check_bearing(soil: Deformable, friction_scale: float) -> None:
     """Refuse a soil that bears less than a wheel needs, or than its own cohesion lets it bear."""
     borne_kpa = soil.k_phi_kn_per_m_n2 * 0.1**soil.sinkage_exponent
-    least_kpa = max(LEAST_BORNE_KPA, BORNE_PER_COHESION * soil.cohesion_kpa)
+    cohesion_kpa = friction_scale * soil.cohesion_kpa
+    least_kpa = max(LEAST_BORNE_KPA, BORNE_PER_COHESION * cohesion_kpa)
+    scaled = "" if friction_scale == 1.0 else f" times {friction_scale:.3g} by soil.friction"
     if borne_kpa < least_kpa:
         raise OutOfRange(
             "soil.k_phi_kn_per_m_n2",
             f"{soil.k_phi_kn_per_m_n2:g}",
             f"what this soil can have: at soil.sinkage_exponent {soil.sinkage_exponent:g} it bears "
-            f"{borne_kpa:.3g} kPa at 0.1 m, and with soil.cohesion_kpa {soil.cohesion_kpa:g} at "
-            f"least {least_kpa:.3g} kPa would do",
+            f"{borne_kpa:.3g} kPa at 0.1 m, and with soil.cohesion_kpa {soil.cohesion_kpa:g}"
+            f"{scaled} at least {least_kpa:.3g} kPa would do",
         )
 
 
@@ -208,7 +246,8 @@ class Field:
     other_length_m: float = 10.0
     """Size of those patches [m]."""
     other_soil: Soil = SOFT
-    """The soil of the map or the patches: friction, strength, Bekker's numbers; draft as ever."""
+    """The soil of the map or the patches: its law, friction, strength and scale of the draft. What
+    varies with place, and rocks, are those of `soil` everywhere."""
     patches: tuple[Patch, ...] = ()
     """Stretches of other soil, four at most; overlapping ones multiply."""
 
@@ -354,3 +393,9 @@ class Scenario:
             raise OutOfRange("timestep_s", self.timestep_s, f"the choices {STEPS_S}")
         if not 0 <= self.seed < 2**31:
             raise OutOfRange("seed", self.seed, "[0, 2147483647]")
+
+    def with_numbers(self) -> Scenario:
+        """The same scenario with its presets' numbers in it, so that it stays what was driven."""
+        other = self.field.other_soil.with_numbers()
+        ground = dataclasses.replace(self.field, other_soil=other)
+        return dataclasses.replace(self, soil=self.soil.with_numbers(), field=ground)

@@ -62,6 +62,8 @@ class Preset:
     """How much friction and cone index vary from place to place [-]; assumed."""
     draft_scale: float = 0.70
     """F of ASABE D497: 1.00 fine, 0.70 medium, 0.45 coarse soils."""
+    name: str = ""
+    """What it is called, where a scenario keeps its numbers."""
 
 
 def _sinking(

@@ -51,6 +51,7 @@ RANGES = {
         "cone_index_kpa": (50.0, 5000.0), "draft_scale": (0.0, 2.0), "draft_cv": (0.0, 0.5),
         "draft_length_m": (0.2, 100.0), "ripple_cv": (0.0, 0.5), "strength_cv": (0.0, 0.3),
         "rocks_per_100m2": (0.0, 25.0), "rock_kn": (0.0, 50.0), **DEFORMABLE_RANGES,
+        "numbers": None,  # the preset's own, as a run keeps them
     },
     Field: {
         "cross_slope_deg": (-25.0, 25.0), "grade_deg": (-15.0, 15.0),
@@ -113,7 +114,8 @@ def soil(rng):
     values = {
         name: drawn(rng, choices)
         for name, choices in RANGES[Soil].items()
-        if name not in MAY_FOLLOW_PRESET or name in given or rng.random() < share
+        if choices is not None
+        and (name not in MAY_FOLLOW_PRESET or name in given or rng.random() < share)
     }
     return Soil(**values | {"law": law, "preset": preset})
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from twin.commands.measured import Measured, Talk, print_columns
-from twin.commands.parse import parse
+from twin.commands.parse import named_fields, parse
 from twin.commands.terminal import console, waiting
 from twin.errors import BadInput, UnknownName, check_range
 from twin.rig.drawbar import HITCH_M, RAMP_NPS
 from twin.rig.park import PARKED_S
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import SPEED_MPS
-from twin.scenario import Soil
+from twin.scenario import Scenario, Soil
 
 SLIPS = (
     -0.30, -0.20, -0.10, -0.05, -0.02, -0.01, 0.0, 0.005, 0.01, 0.02, 0.035, 0.05, 0.07, 0.10, 0.15,
@@ -108,6 +108,7 @@ def main(args: Sequence[str]) -> int:
     kind, run = RIGS[args[0]]
     options = parse(kind, args[1:], prog=f"twin rig {args[0]}")
     _check_folder(options.out)
+    _refuse_unread(options, named_fields(args[1:]))
     talks = not (options.quiet or options.json)
     with waiting(f"{args[0]} rig", shown=talks):
         found = run(options)
@@ -237,6 +238,22 @@ RIGS: dict[str, tuple[Any, Callable[[Any], Measured]]] = {
     "slope": (Slope, _slope),
     "park": (Park, _park),
 }
+
+
+EVEN = {"soil.strength_cv": "a field, where soil varies; a rig's does not"}
+BRIXIUS_ALONE = ("radial", "tyre.deflection_ratio")
+"""Options of the wheel rig that Bekker's law does not read."""
+
+
+def _refuse_unread(options: Any, named: Collection[str]) -> None:
+    """Refuse what is set of the soil or the tyre that the rig would not read."""
+    from twin.unread import refuse_unread
+
+    soil: Soil = options.soil
+    refuse_unread(Scenario(name="rig", soil=soil), named, EVEN)
+    for name in BRIXIUS_ALONE:
+        if soil.law == "bekker" and name in named:
+            raise BadInput(f"{name} would not be read: it needs soil.law = brixius")
 
 
 def _some(options: Any, *names: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import partial
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 from twin import registry
-from twin.commands.parse import parse
+from twin.commands.parse import named_fields, parse
 from twin.commands.terminal import console, print_scores, progress
 from twin.errors import BadInput
 from twin.written import moved_when_complete
@@ -52,7 +52,8 @@ def main(args: Sequence[str]) -> int:
     default = registry.load("scenario", name)
     options = parse(_with_overrides(default), rest, prog=f"twin run {name}")
     scenario: Any = options.scenario  # type: ignore[attr-defined]
-    directory = execute(scenario, options, f"twin run {shlex.join(args)}")
+    command = f"twin run {shlex.join(args)}"
+    directory = execute(scenario, options, command, named_fields(rest))
     if options.view:
         from twin import viz
 
@@ -60,13 +61,20 @@ def main(args: Sequence[str]) -> int:
     return 0
 
 
-def execute(scenario: Any, options: Options, command: str = "") -> Path:
-    """Run one scenario and write its folder, whose report says the command; returns the folder."""
+def execute(
+    scenario: Any, options: Options, command: str = "", named: Collection[str] = ()
+) -> Path:
+    """Run one scenario and write its folder, whose report says the command; returns the folder.
+
+    `named` are the fields that the user gave: those the run would not read are refused.
+    """
     from twin import runfolder, scores
+    from twin.unread import refuse_unread
 
     directory = options.out or runfolder.default_directory(scenario.name, scenario.seed)
     runfolder.refuse_foreign(directory)  # before the work, not after it
     scenario = _masked(scenario, options.mask)
+    refuse_unread(scenario, named)
     _check_frames(scenario, options.frames)
     estimators = load_estimators(options.estimators)
     from twin.commands.limits import limits

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -86,7 +87,11 @@ def main(args: Sequence[str]) -> int:
     sweeps = read_sweeps(options.sweep, registry.load("scenario", names[0]))
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     cases = study.plan(names, seeds, estimators, sweeps)
-    folder = options.out or Path("studies") / "+".join(n.replace(":", "-") for n in names)
+    if options.talks:
+        for text in study.left_out(names, sweeps):
+            console().print(f"left out: {text}", style="dim", highlight=False, markup=False)
+    plain = "+".join(re.sub(r"[:/\\]+", "-", name).strip("-") for name in names)
+    folder = options.out or Path("studies") / plain
     _begin(folder, args)
     try:
         with progress(f"{len(cases)} runs", shown=options.talks) as told:

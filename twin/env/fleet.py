@@ -39,6 +39,8 @@ DEEPEST_M = 0.35
 """Deepest depth set point [m]."""
 OWN = {name: block.SOIL + Soil[name.upper()] for name in SPREAD}
 """Where the block has a ground's own numbers of its soil."""
+SHEARED = [block.SOIL + Soil.COHESION_PA, block.SOIL + Soil.TAN_PHI]
+"""Where it has what friction scales in Bekker's law."""
 SLOWEST_RPM, FASTEST_RPM = 900.0, 2376.0
 """No-load engine speeds between which the throttle sets the governor [rpm]."""
 
@@ -158,6 +160,7 @@ class Fleet:
             numbers[slots] = values
             for name, value in ground.own.items():
                 numbers[OWN[name]] = value
+            numbers[SHEARED] *= ground.own["friction"] / PRESETS[ground.preset].friction
             for at in self.front_grip:
                 numbers[at] = self.front_ratio * PRESETS[ground.preset].front_grip
             for name, value in _place(ground, start.along_m).items():

@@ -98,21 +98,22 @@ def soil_part(soil: Ground) -> dict[Any, float]:
         Soil.STRENGTH_CV: preset.strength_cv,
         Soil.ROCKS_PER_M2: soil.rocks_per_100m2 / 100.0,
         Soil.ROCK_N: 1e3 * soil.rock_kn,
-        **_deformable_part(soil.law, preset.deformable),
+        **_deformable_part(soil.law, preset.deformable, soil.friction_scale),
     }
 
 
-def _deformable_part(law: str, soil: Deformable | None) -> dict[Any, float]:
+def _deformable_part(law: str, soil: Deformable | None, friction_scale: float) -> dict[Any, float]:
     """What Bekker's law needs; under it, tan(phi) is the friction."""
     if soil is None:
         return {}
-    tan_phi = math.tan(math.radians(soil.friction_angle_deg))
+    cohesion_pa = 1e3 * soil.cohesion_kpa * friction_scale
+    tan_phi = math.tan(math.radians(soil.friction_angle_deg)) * friction_scale
     return {
         **({Soil.FRICTION: tan_phi} if law == "bekker" else {}),
         Soil.K_C: 1e3 * soil.k_c_kn_per_m_n1,
         Soil.K_PHI: 1e3 * soil.k_phi_kn_per_m_n2,
         Soil.SINKAGE_EXPONENT: soil.sinkage_exponent,
-        Soil.COHESION_PA: 1e3 * soil.cohesion_kpa,
+        Soil.COHESION_PA: cohesion_pa,
         Soil.TAN_PHI: tan_phi,
         Soil.SHEAR_LONG_M: soil.shear_modulus_m,
         Soil.SHEAR_LAT_M: soil.shear_modulus_m * soil.lateral_shear_ratio,

@@ -62,8 +62,9 @@ class Tyre:
         ):  # fmt: skip
             if (value := getattr(self, name)) is not None:
                 check_range(f"tyre.{name}", value, low, high)
-        if self.rigid and self.stiffness_npm is not None:
-            raise BadInput("tyre.rigid and tyre.stiffness_npm contradict each other; give one")
+        for name in ("stiffness_npm", "deflection_ratio", "free_rolling_radius_m"):
+            if self.rigid and getattr(self, name) is not None:
+                raise BadInput(f"tyre.rigid and tyre.{name} contradict each other; give one")
 
     def sizes(self) -> dict[Wheel, float]:
         """The tyre's numbers for the parameter block."""

@@ -1,6 +1,6 @@
 """Many runs: scenarios x seeds x sweeps of their fields, every estimator on each.
 
-    plan       which runs there are, and the name of each one's part
+    plan       which runs there are, which of a sweep are left out, the name of each one's part
     part       one run: simulate, estimate, score, write its part when it ends
     work       the runs that have no part yet, in processes or on a cluster, by joblib
     table      all parts of a plan as one table
@@ -11,12 +11,13 @@ A study is a folder. What is done is what has its part there, so a killed one go
 missing, and nothing is kept in memory.
 """
 
-from twin.study.plan import Case, plan
+from twin.study.plan import Case, left_out, plan
 from twin.study.summary import Group, early_ends, groups, quantities, rows
 from twin.study.table import failed, read, write_table
 from twin.study.work import missing, work
 
 __all__ = [
-    "Case", "Group", "early_ends", "failed", "groups", "missing", "plan", "quantities", "read",
+    "Case", "Group", "early_ends", "failed", "groups", "left_out", "missing", "plan",
+    "quantities", "read",
     "rows", "work", "write_table",
 ]  # fmt: skip

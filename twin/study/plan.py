@@ -15,8 +15,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from twin import registry
+from twin.errors import BadInput
 from twin.plain import to_plain
+from twin.scenario import Scenario
 from twin.study import fields
+from twin.unread import complaint
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,22 +52,57 @@ def plan(
         estimators: names, or module:Name.
         sweeps: path of a field -> the values it takes.
 
+    A combination that sets a field its run would not read is left out; `left_out` says which.
+
     Raises:
         UnknownName, BadInput, OutOfRange: for whatever cannot be run, before anything is.
     """
     names = tuple(dict.fromkeys(estimators))
     told = {name: _told(name, registry.load("estimator", name)) for name in names}
     cases = []
+    for scenario, swept, base in _settings(scenarios, sweeps)[0]:
+        for seed in dict.fromkeys(seeds):
+            run = fields.replaced(base, {"seed": seed})
+            part = f"{_plain(scenario)}-seed{seed}-{_digest(run, told)}.parquet"
+            case = Case(scenario=scenario, swept=swept, run=run, estimators=names, part=part)
+            cases.append(case)
+    return cases
+
+
+def left_out(scenarios: Sequence[str], sweeps: Mapping[str, Sequence[Any]]) -> list[str]:
+    """What of a plan is left out and why, a sentence each. Arguments and errors as `plan`."""
+    return _settings(scenarios, sweeps)[1]
+
+
+Setting = tuple[str, tuple[tuple[str, Any], ...], Any]
+"""Name of a scenario, path and value of each swept field, and the scenario with them."""
+
+
+def _settings(
+    scenarios: Sequence[str], sweeps: Mapping[str, Sequence[Any]]
+) -> tuple[list[Setting], list[str]]:
+    """The settings of a plan, and what is said of those that are left out.
+
+    Raises:
+        BadInput: all are left out, or a scenario is as it stands, without a sweep.
+    """
+    kept: list[Setting] = []
+    said: list[str] = []
     for scenario in dict.fromkeys(scenarios):
         base = registry.load("scenario", scenario)
         for values in itertools.product(*(dict.fromkeys(v) for v in sweeps.values())):
             swept = tuple(zip(sweeps, values, strict=True))
-            for seed in dict.fromkeys(seeds):
-                run = fields.replaced(base, {**dict(swept), "seed": seed})
-                part = f"{_plain(scenario)}-seed{seed}-{_digest(run, told)}.parquet"
-                case = Case(scenario=scenario, swept=swept, run=run, estimators=names, part=part)
-                cases.append(case)
-    return cases
+            run = fields.replaced(base, dict(swept))
+            if (why := complaint(run, tuple(sweeps))) is None:
+                kept.append((scenario, swept, run))
+                continue
+            if not sweeps:
+                raise BadInput(f"{scenario}: {why}")
+            setting = ", ".join(f"{path} = {value}" for path, value in swept)
+            said.append(f"{scenario}, {setting}: {why}")
+    if said and not kept:
+        raise BadInput(f"nothing of the sweep can be run: {said[0]}")
+    return kept, said
 
 
 def _told(name: str, estimator: Any) -> Any:
@@ -74,6 +112,7 @@ def _told(name: str, estimator: Any) -> Any:
 
 
 def _digest(run: Any, told: Mapping[str, Any]) -> str:
+    run = run.with_numbers() if isinstance(run, Scenario) else run  # an edited preset is another
     said = {"kind": type(run).__qualname__, "run": to_plain(run), "estimators": told}
     text = json.dumps(said, sort_keys=True, default=repr)
     return hashlib.sha256(text.encode()).hexdigest()[:12]

@@ -1,0 +1,316 @@
+"""Every field of a scenario turns something: it changes truth or streams, or is refused by name.
+
+The fields are found by walking the dataclasses,
+so a new one without a witness fails. A witness is a
+scenario as short as will do, and another value of the field in it.
+"""
+
+import dataclasses
+import re
+import types
+import typing
+from functools import cache
+
+import numpy as np
+import pytest
+
+from scenarios.ima_pkf import DISTURBED, Trial
+from twin.errors import BadInput
+from twin.run import run
+from twin.scenario import Course, Drive, Field, Patch, Plough, Scenario, Soil
+from twin.sensors import Camera, Fault, Gnss, Outage, Sensors
+from twin.study.fields import replaced
+
+NOT_TURNED = {
+    "name", "about", "soil.numbers.name", "soil.numbers.about",  # names and texts
+    "soil.numbers", "soil.numbers.deformable",  # kept numbers, which repeat what the preset says
+}  # fmt: skip
+OF_THE_FIELD = {
+    f"field.other_soil.{name}"
+    for name in (
+        "draft_cv", "draft_length_m", "ripple_cv", "strength_cv", "rocks_per_100m2", "rock_kn",
+    )
+}  # fmt: skip
+"""What the other soil never has of its own: always refused."""
+LISTS = ("field.patches", "sensors.faults", "sensors.gnss.outages")
+
+ROLLING = Scenario(
+    name="rolling",
+    field=Field(cross_slope_deg=8.0),
+    course=Course(approach_m=0.5, length_m=1.0, start_left_m=0.1),
+    sensors=Sensors(gnss=None, imu=None, wheels=None, depth=None, machine=None),
+)
+LONG = replaced(ROLLING, {"course": Course(approach_m=15.0, length_m=1.0)})
+PLOUGHING = replaced(
+    ROLLING,
+    {"plough": Plough(), "course": Course(approach_m=1.0, length_m=1.0), "sensors": Sensors()},
+)
+OUTAGES = (
+    Outage(start_s=0.1, duration_s=0.1, kind="corrections"),
+    Outage(start_s=0.3, duration_s=0.2, kind="mask"),
+    Outage(start_s=0.6, duration_s=0.1, kind="block"),
+)
+
+
+@dataclasses.dataclass(frozen=True)
+class Refused:
+    """A value of a field that this witness does not read."""
+
+    value: object
+
+
+BASES = {
+    "rolling": ROLLING,
+    "long": LONG,
+    "ploughing": PLOUGHING,
+    "kept": PLOUGHING.with_numbers(),
+    "bekker": replaced(PLOUGHING, {"soil.law": "bekker"}),
+    "bekker kept": replaced(PLOUGHING, {"soil.law": "bekker"}).with_numbers(),
+    "rocky": replaced(PLOUGHING, {"soil.rocks_per_100m2": 25.0, "course.length_m": 3.0}),
+    "mapped": replaced(ROLLING, {"field.height_map": "heights.npy", "field.soil_map": "soils.npy"}),
+    "mixed": replaced(
+        PLOUGHING,
+        {
+            "field.other_share": 0.5,
+            "field.other_length_m": 2.0,
+            "field.other_soil": Soil(preset="soft", law="bekker"),
+        },
+    ),
+    "patched": replaced(ROLLING, {"field.patches": (Patch(start_m=0.5, length_m=0.5,
+    friction_factor=0.8),)}),
+    "electric": replaced(
+        ROLLING,
+        {
+            "machine": "electric_tractor",
+            "drive": Drive(gear_ratio=50.0, engine_set_rpm=2400.0, differential_lock=False),
+            "course.edge_m": 1.0,
+            "course.start_left_m": 0.25,
+        },
+    ),
+    "sensing": replaced(ROLLING, {"sensors": Sensors()}),
+    "failing": replaced(
+        ROLLING,
+        {
+            "course.length_m": 2.5,
+            "sensors": Sensors(
+                gnss=Gnss(outages=OUTAGES),
+                faults=(Fault(kind="imu-bias", start_s=0.2, duration_s=0.3),),
+            )
+        },
+    ),
+    "looking": replaced(
+        ROLLING,
+        {
+            "sensors.camera": Camera(
+                width_px=160, height_px=120, position_m=(1.25, 0.0, -0.33), rate_hz=20.0
+            )
+        },
+    ),
+    "signals": DISTURBED,
+}  # fmt: skip
+
+WITNESSES: dict[str, dict[str, object]] = {
+    "rolling": {
+        "machine": "electric_tractor", "plough": Plough(), "timestep_s": 0.001, "seed": 1,
+        "field.cross_slope_deg": 5.0, "field.grade_deg": 3.0, "field.roughness_class": "D",
+        "field.height_map": "heights.npy", "field.soil_map": "soils.npy", "field.other_share": 0.5,
+        "field.patches": (Patch(start_m=0.5, length_m=1.0, friction_factor=0.5),),
+        "drive.gear_ratio": 50.0, "drive.engine_set_rpm": 1500.0, "drive.all_wheel_drive": True,
+        "drive.differential_lock": False, "course.approach_m": 0.7, "course.length_m": 1.2,
+        "course.heading_deg": 30.0, "course.start_left_m": 0.0, "course.hold_line": False,
+        "soil.strength_cv": 0.2, "soil.draft_scale": Refused(0.5),
+        "sensors.gnss": Gnss(), "sensors.camera": Camera(width_px=160, height_px=120),
+    },
+    "long": {"course.passes": 2},
+    "ploughing": {
+        "soil.preset": "soft", "soil.law": "bekker", "soil.friction": 0.6,
+        "soil.cone_index_kpa": 800.0, "soil.draft_scale": 0.5, "soil.draft_cv": 0.3,
+        "soil.draft_length_m": 1.0, "soil.ripple_cv": 0.3, "soil.strength_cv": 0.2,
+        "soil.rocks_per_100m2": 25.0, "soil.rock_kn": Refused(20.0),
+        "soil.cohesion_kpa": Refused(20.0),
+        "plough.depth_m": 0.2, "plough.wheel_share": 0.3, "plough.furrow": "none",
+        "plough.hitch": "float", "field.other_soil.preset": Refused("firm"),
+        "sensors.depth": None, "sensors.machine": None, "sensors.wheels": None,
+        "sensors.imu": None,
+        "sensors.depth.rate_hz": 25.0, "sensors.depth.laser_sd_m": 0.01,
+        "sensors.depth.clod_sd_m": 0.01, "sensors.depth.clod_length_m": 0.3,
+        "sensors.depth.inclinometer_sd_rad": 0.01, "sensors.depth.latency_s": 0.01,
+        "sensors.depth.latency_jitter_s": 0.001, "sensors.depth.laser_bias_m": 0.01,
+        "sensors.depth.inclination_bias_rad": 0.01,
+        "sensors.machine.rate_hz": 20.0, "sensors.machine.latency_s": 0.02,
+        "sensors.machine.latency_jitter_s": 0.004, "sensors.machine.reference_torque_nm": 500.0,
+        "sensors.machine.rated_power_w": 8e4, "sensors.machine.lower_link_m": 0.8,
+        "sensors.machine.steer_sd_rad": 0.02, "sensors.machine.draft_pin_sd_n": 900.0,
+        "sensors.machine.axle_torque_sd_nm": 300.0, "sensors.machine.steer_bias_rad": 0.02,
+        "sensors.machine.draft_pin_scale_error": 0.1,
+    },
+    "rocky": {"soil.rock_kn": 30.0},
+    "kept": {
+        "soil.numbers.cone_index_kpa": 800.0, "soil.numbers.friction": 0.6,
+        "soil.numbers.front_grip": 0.5, "soil.numbers.slip_rate": 9.0,
+        "soil.numbers.rolling_moment": 0.03, "soil.numbers.mobility_resistance": 0.5,
+        "soil.numbers.strength_cv": 0.2, "soil.numbers.draft_scale": 0.5,
+    },
+    "bekker": {
+        "soil.friction": 0.6, "soil.cone_index_kpa": Refused(800.0), "soil.k_c_kn_per_m_n1": 50.0,
+        "soil.k_phi_kn_per_m_n2": 2000.0, "soil.sinkage_exponent": 0.7, "soil.cohesion_kpa": 20.0,
+        "soil.friction_angle_deg": 25.0, "soil.shear_modulus_m": 0.03,
+        "soil.lateral_shear_ratio": 2.0, "soil.unit_weight_knpm3": 20.0, "soil.stress_peak": 0.3,
+        "soil.stress_peak_slip": 0.3, "soil.strength_cv": 0.2,
+    },
+    "bekker kept": {
+        "soil.numbers.deformable.k_c_kn_per_m_n1": 50.0,
+        "soil.numbers.deformable.k_phi_kn_per_m_n2": 2000.0,
+        "soil.numbers.deformable.sinkage_exponent": 0.7,
+        "soil.numbers.deformable.cohesion_kpa": 20.0,
+        "soil.numbers.deformable.friction_angle_deg": 25.0,
+        "soil.numbers.deformable.shear_modulus_m": 0.03,
+        "soil.numbers.deformable.lateral_shear_ratio": 2.0,
+        "soil.numbers.deformable.unit_weight_knpm3": 20.0,
+        "soil.numbers.deformable.stress_peak": 0.3,
+        "soil.numbers.deformable.stress_peak_slip": 0.3,
+    },
+    "mapped": {"field.map_cell_m": 0.2, "field.map_start_m": -1.0},
+    "mixed": {
+        "field.other_length_m": 4.0,
+        **{f"field.other_soil.{name}": value for name, value in {
+            "preset": "tilled", "law": "brixius", "friction": 0.5, "cone_index_kpa": 800.0,
+            "draft_scale": 0.9, "draft_cv": Refused(0.3), "draft_length_m": Refused(1.0),
+            "ripple_cv": Refused(0.3),
+            "strength_cv": Refused(0.2), "rocks_per_100m2": Refused(25.0), "rock_kn": Refused(20.0),
+            "k_c_kn_per_m_n1": 50.0, "k_phi_kn_per_m_n2": 2000.0, "sinkage_exponent": 0.7,
+            "cohesion_kpa": 10.0, "friction_angle_deg": 25.0, "shear_modulus_m": 0.03,
+            "lateral_shear_ratio": 2.0, "unit_weight_knpm3": 20.0, "stress_peak": 0.3,
+            "stress_peak_slip": 0.3,
+        }.items()},
+        **{f"soil.{name}": value for name, value in {
+            "cone_index_kpa": 800.0, "cohesion_kpa": 10.0, "friction": 0.5,
+        }.items()},
+    },
+    "patched": {
+        "field.patches.0.start_m": 0.7, "field.patches.0.length_m": 0.8,
+        "field.patches.0.friction_factor": 0.5, "field.patches.0.cone_index_factor": 0.5,
+    },
+    "electric": {
+        "drive.gear_ratio": 60.0, "drive.engine_set_rpm": 2000.0, "drive.all_wheel_drive": True,
+        "drive.differential_lock": True, "course.edge_m": 0.5, "course.approach_m": 0.7,
+        "course.length_m": 1.2, "course.hold_line": False, "course.start_left_m": 0.0,
+    },
+    "sensing": {
+        "course.calibration_m": 5.0, "soil.draft_cv": Refused(0.3),
+        "sensors.depth.laser_sd_m": Refused(0.01),
+        "sensors.gnss.rate_hz": 10.0, "sensors.gnss.latency_s": 0.1,
+        "sensors.gnss.latency_jitter_s": 0.02, "sensors.gnss.white_sd_m": 0.01,
+        "sensors.gnss.coloured_sd_m": 0.01, "sensors.gnss.coloured_tau_s": 10.0,
+        "sensors.gnss.vertical_factor": 1.0, "sensors.gnss.velocity_sd_mps": 0.1,
+        "sensors.gnss.heading_sd_rad_m": 0.01, "sensors.gnss.satellites_main": 20.0,
+        "sensors.gnss.satellites_aux": 20.0, "sensors.gnss.heading_bias_rad": 0.1,
+        "sensors.gnss.heading_bias_sd_rad": 0.1,
+        "sensors.gnss.lever_arm_error_m": (0.1, 0.0, 0.0), "sensors.gnss.outages": OUTAGES,
+        "sensors.gnss.float_sd_m": Refused(0.5), "sensors.gnss.single_tau_s": Refused(10.0),
+        "sensors.faults": (Fault(kind="imu-bias", start_s=0.2, duration_s=0.3),),
+        "sensors.imu.rate_hz": 40.0, "sensors.imu.internal_rate_hz": 400.0,
+        "sensors.imu.filter_order": 6, "sensors.imu.filter_cut_hz": 10.0,
+        "sensors.imu.latency_s": 0.01, "sensors.imu.latency_jitter_s": 0.002,
+        "sensors.imu.gyro_noise_radps_rthz": 0.001, "sensors.imu.accel_noise_mps2_rthz": 0.05,
+        "sensors.imu.gyro_instability_radps": 0.01, "sensors.imu.accel_instability_mps2": 0.1,
+        "sensors.imu.wander_tau_s": 1.0, "sensors.imu.gyro_bias_sd_radps": 0.01,
+        "sensors.imu.accel_bias_sd_mps2": 0.5, "sensors.imu.scale_sd": 0.01,
+        "sensors.imu.mounting_sd_rad": 0.05, "sensors.imu.gyro_range_radps": 2.0,
+        "sensors.imu.accel_range_mps2": 20.0, "sensors.imu.vibration_rms_mps2": 2.0,
+        "sensors.imu.firing_order": 2.0, "sensors.imu.gyro_bias_radps": (0.1, 0.0, 0.0),
+        "sensors.imu.accel_bias_mps2": (0.1, 0.0, 0.0), "sensors.imu.scale_error": 0.01,
+        "sensors.imu.mounting_error_rad": (0.1, 0.0, 0.0),
+        "sensors.wheels.rate_hz": 25.0, "sensors.wheels.lines": 500, "sensors.wheels.decoding": 2,
+        "sensors.wheels.latency_s": 0.02, "sensors.wheels.latency_jitter_s": 0.002,
+        "sensors.wheels.read_jitter_s": 1e-3,
+        "sensors.wheels.radius_error": (0.1, 0.0, 0.0, 0.0), "sensors.wheels.radius_error_sd": 0.05,
+    },
+    "failing": {
+        "sensors.gnss.extrapolation_sd_mps": 0.5, "sensors.gnss.float_sd_m": 1.0,
+        "sensors.gnss.float_tau_s": 5.0, "sensors.gnss.single_sd_m": 5.0,
+        "sensors.gnss.single_tau_s": 5.0, "sensors.gnss.masked_velocity_factor": 6.0,
+        "sensors.gnss.satellites_masked": 12.0, "sensors.gnss.outages.0.kind": "block",
+        "sensors.gnss.outages.0.start_s": 0.0, "sensors.gnss.outages.0.duration_s": 0.15,
+        "sensors.faults.0.kind": "gnss-spike", "sensors.faults.0.start_s": 0.4,
+        "sensors.faults.0.duration_s": 0.5, "sensors.imu": Refused(None),
+    },
+    "looking": {
+        "sensors.camera.rate_hz": 25.0, "sensors.camera.width_px": 192,
+        "sensors.camera.height_px": 140, "sensors.camera.binning": 2,
+        "sensors.camera.field_of_view_deg": 40.0, "sensors.camera.position_m": (1.0, 0.0, -0.33),
+        "sensors.camera.height_m": 0.4, "sensors.camera.exposure_s": 0.01,
+        "sensors.camera.gain": 0.5, "sensors.camera.full_well_e": 1000.0,
+        "sensors.camera.read_noise_e": 100.0, "sensors.camera.vignetting": 0.0,
+        "sensors.camera.latency_s": 0.05, "sensors.camera.latency_jitter_s": 0.01,
+        "sensors.camera.loss_chance": 0.5, "sensors.camera.mount_yaw_sd_rad": 0.1,
+        "sensors.camera.mount_tilt_sd_rad": 0.05, "sensors.camera.odometry": "orb-similarity",
+        "sensors.camera.processing_s": 0.1,
+    },
+    "signals": {
+        "seed": 1, "track": "rough", "disturbance": "none", "disturbed": "truth",
+        "noise": "proportional", "wheel_accel": False, "accel_bias_sd_mps2": 0.1,
+    },
+}  # fmt: skip
+"""Witness -> another value of each field it is called for."""
+
+
+def paths(kind, prefix=""):
+    """Every field of a dataclass and of those within it; of a list its first element."""
+    hints = typing.get_type_hints(kind)
+    for field in dataclasses.fields(kind):
+        path, hint = prefix + field.name, hints[field.name]
+        inner = [h for h in (hint, *typing.get_args(hint)) if dataclasses.is_dataclass(h)]
+        alone = bool(inner) and not isinstance(hint, types.UnionType) and path not in LISTS
+        if not alone:
+            yield path
+        for each in inner:
+            yield from paths(each, f"{path}.0." if path in LISTS else f"{path}.")
+
+
+def bits(scenario):
+    """Everything a run gives."""
+    done = run(scenario, estimators={})
+    tables = {"truth": done.truth, **done.streams.tables}
+    return {
+        f"{name}.{column}": np.asarray(values).tobytes()
+        for name, table in tables.items()
+        for column, values in table.items()
+    }
+
+
+@cache
+def usual(base):
+    return bits(BASES[base])
+
+
+@pytest.fixture
+def maps(tmp_path, monkeypatch):
+    """The folder of the maps that some witnesses name."""
+    monkeypatch.chdir(tmp_path)
+    shares = np.linspace(0.0, 1.0, 60) * np.ones((40, 1))
+    np.save("soils.npy", shares)
+    np.save("heights.npy", 0.1 * shares**2)
+
+
+def test_every_field_has_a_witness():
+    fields = {p for p in paths(Scenario) if not p.startswith("field.other_soil.numbers")}
+    named = {b: {p: not isinstance(v, Refused) for p, v in w.items()} for b, w in WITNESSES.items()}
+    signals = named.pop("signals")
+    turned = {path for own in named.values() for path, turns in own.items() if turns}
+    refused = {path for own in named.values() for path, turns in own.items() if not turns}
+    assert turned == fields - NOT_TURNED - OF_THE_FIELD
+    assert refused >= OF_THE_FIELD
+    assert signals.keys() == set(paths(Trial)) - NOT_TURNED
+
+
+@pytest.mark.parametrize("base", WITNESSES)
+def test_every_field_turns_something_or_is_refused_by_name(base, maps):
+    idle = []
+    for path, value in WITNESSES[base].items():
+        if isinstance(value, Refused):
+            with pytest.raises(BadInput, match=re.escape(path)):
+                run(replaced(BASES[base], {path: value.value}), estimators={})
+        elif bits(replaced(BASES[base], {path: value})) == usual(base):
+            idle.append(path)
+    assert not idle
