@@ -21,7 +21,7 @@ from twin.errors import BadInput, TwinError
 from twin.lookup import line, where
 from twin.machine import calibration
 from twin.machine.build import Machine, build
-from twin.machine.driver import FULL_DEPTH
+from twin.machine.driver import full_depth_m
 from twin.machine.ends import End, Outcome
 from twin.machine.geometry import geometry
 from twin.machine.notes import notes, overspeed
@@ -188,9 +188,10 @@ def sense(
                 driven_m += float(np.linalg.norm(place_w[-1] - place_w[0]))
                 driven_s = float(chunk.epoch_ns[-1] - recording.start_ns) * 1e-9
                 progress(min(1.0, driven_m / course_m), driven_s)
-    full_depth_m = None if scenario.plough is None else FULL_DEPTH * scenario.plough.depth_m
+    plough = scenario.plough
+    full_m = None if plough is None else full_depth_m(plough.depth_m, plough.hitch)
     progress(1.0, driven_s)
-    table = truth.integrate(truth.concatenate(parts), full_depth_m)
+    table = truth.integrate(truth.concatenate(parts), full_m)
     true = {name: np.ascontiguousarray(c) for name, c in table.items()}
     shown = ChainMap(*kept) if kept else None  # type: ignore[arg-type,var-annotated]
     return concatenate(streams), true, shown, ends

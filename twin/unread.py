@@ -15,7 +15,7 @@ import numpy as np
 
 from twin.errors import BadInput
 from twin.physics.law_reads import fields_read
-from twin.scenario import DEFORMABLE_RANGES, Scenario, Soil
+from twin.scenario import DEFORMABLE_RANGES, Plough, Scenario, Soil
 from twin.sensors.faults import KINDS
 from twin.sensors.fix import Mode, timeline
 
@@ -50,6 +50,15 @@ def _never(scenario: Scenario) -> bool:
 
 def _ploughs(scenario: Scenario) -> bool:
     return scenario.plough is not None
+
+
+def _hitch(holds: Callable[[Plough], bool]) -> Met:
+    """A condition on how the plough is hitched; a plough that is absent has no fields to set."""
+
+    def met(scenario: Scenario) -> bool:
+        return scenario.plough is None or holds(scenario.plough)
+
+    return met
 
 
 def _mixed(scenario: Scenario) -> bool:
@@ -130,6 +139,14 @@ RULES = (
           *_under("sensors.depth", "laser_sd_m clod_sd_m clod_length_m inclinometer_sd_rad "
                                    "laser_bias_m inclination_bias_rad"),
           "sensors.machine.draft_pin_scale_error")),
+    Rule("plough.hitch = depth, position or mix",
+         _hitch(lambda p: p.hitch != "float" and p.mix < 1.0), ("plough.wheel_share",)),
+    Rule("plough.hitch other than depth, or plough.wheel_share above 0",
+         _hitch(lambda p: p.hitch != "depth" or p.wheel_share > 0.0),
+         ("plough.expected_draft_scale",)),
+    Rule("plough.hitch = mix", _hitch(lambda p: p.hitch == "mix"), ("plough.draft_mix",)),
+    Rule("plough.hitch = draft, or mix with plough.draft_mix above 0",
+         _hitch(lambda p: p.mix > 0.0), _under("plough", "sensitivity_rad deepest_m")),
     Rule("to be set as that of `soil`, which holds for the whole field", _never,
          _under(OTHER, "draft_cv draft_length_m ripple_cv rocks_per_100m2 rock_kn strength_cv")),
     Rule("soil.draft_cv above 0", lambda s: s.soil.draft_cv > 0.0, ("soil.draft_length_m",)),

@@ -66,7 +66,10 @@ RANGES = {
     },
     Plough: {
         "depth_m": (0.05, 0.35), "wheel_share": (0.0, 1.0), "furrow": tuple(FURROW_SIDES),
-        "hitch": HITCH_MODES,
+        "hitch": HITCH_MODES, "expected_draft_scale": (0.0, 2.0), "draft_mix": (0.0, 1.0),
+        "sensitivity_rad": (0.01, 0.1), "drop_rate_radps": (0.05, 1.0),
+        "upper_limit_rad": (0.4, 0.9), "deepest_m": (0.35, 0.4),
+        "front_ballast_kg": (0.0, 1000.0), "top_link_drop_m": (0.0, 0.25),
     },
     Drive: {
         "gear_ratio": (15.0, 300.0), "engine_set_rpm": (900.0, 2400.0), "all_wheel_drive": FLAG,

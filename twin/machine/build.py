@@ -14,11 +14,18 @@ from twin.machine.files import model_path
 from twin.machine.ground_frame import quaternion, world_from_ground
 from twin.machine.hitch import Hitch
 from twin.machine.parameters import parameter_block, wheel_radii_m
-from twin.machine.plough_setting import furrow_roll_rad, levelled, set_plough
+from twin.machine.plough_setting import (
+    Setting,
+    by_geometry,
+    furrow_roll_rad,
+    levelled,
+    mounted,
+    set_plough,
+)
 from twin.machine.start import settled, standing, unloaded_speed_mps, unsettled
 from twin.physics import block
 from twin.physics.callback import install
-from twin.scenario import Scenario
+from twin.scenario import Plough, Scenario
 from twin.terrain.grid import GridMap
 from twin.terrain.maps import ground_maps
 from twin.terrain.place import add_envelopes, add_map, show_heights
@@ -40,7 +47,9 @@ class Machine:
     hitch: Hitch | None
     """None where there is no linkage."""
     work_rad: float
-    """Lower-link angle at the working depth."""
+    """Lower-link angle that puts the plough at its depth under a tractor that does not squat."""
+    setting: Setting | None
+    """How the hitch is set; None without a plough."""
     start_qpos: Array
     """Settled on the tyres at the start of the course, the plough carried. Shape (nq,)."""
     start_act: Array
@@ -58,7 +67,13 @@ class Machine:
         return (self.scenario.drive.engine_set_rpm - idle) / (top - idle)
 
 
-def build(scenario: Scenario, *, looks: bool = False, settle: bool = True) -> Machine:
+def build(
+    scenario: Scenario,
+    *,
+    looks: bool = False,
+    settle: bool = True,
+    setting: Setting | None = None,
+) -> Machine:
     """Compile the machine of a scenario and install the laws.
 
     Wheel contact is switched off, because the callback takes over; everything else stays native.
@@ -68,6 +83,8 @@ def build(scenario: Scenario, *, looks: bool = False, settle: bool = True) -> Ma
         scenario: what is built.
         looks: keep what is only looked at.
         settle: let it come to rest on its tyres, which driving needs and looking does not.
+        setting: how the hitch is set; None leaves it to the operator, who drives a trial furrow
+            where the depth is not trimmed on the way.
     """
     install()
     spec = mujoco.MjSpec.from_file(str(model_path(scenario.machine)))
@@ -82,6 +99,7 @@ def build(scenario: Scenario, *, looks: bool = False, settle: bool = True) -> Ma
     _add_ground(spec, rotation, maps, numbers)
     _add_activations(spec)
     if scenario.plough is not None:
+        _fit_tractor(spec, scenario.plough, numbers)
         spec.body("plough.frame").quat = levelled(furrow_roll_rad(scenario, spec))
     spec.option.timestep = scenario.timestep_s
     spec.add_sensor(name="potential_j", type=mujoco.mjtSensor.mjSENS_E_POTENTIAL)
@@ -99,21 +117,27 @@ def build(scenario: Scenario, *, looks: bool = False, settle: bool = True) -> Ma
     if scenario.plough is not None and hitch is not None:
         if scenario.plough.furrow != "none":  # one side lower by the depth, the middle by half
             axle_height_m -= 0.5 * scenario.plough.depth_m
-        work_rad = set_plough(
-            model,
-            scenario.plough,
-            scenario.soil.resolved.draft_scale,
-            numbers,
-            hitch,
-            axle_height_m,
-        )
+        plough, draft_scale = scenario.plough, scenario.expected_draft_scale
+        here = mounted(model, plough, draft_scale, numbers, hitch, axle_height_m)
+        work_rad = here.work_rad
+        if setting is None:
+            setting = by_geometry(here)
+            if plough.hitch != "depth" and settle:
+                setting = _tried(scenario, plough, setting)
+        set_plough(model, here, setting)
     speed = unloaded_speed_mps(scenario, numbers)
     start = standing(model, scenario, rotation, hitch, work_rad, maps.get("heights"))
     rest = settled(model, start, rotation, scenario) if settle else unsettled(model, start)
     return Machine(
-        scenario, model, numbers, rotation, hitch, work_rad, rest.qpos, rest.act, speed,
+        scenario, model, numbers, rotation, hitch, work_rad, setting, rest.qpos, rest.act, speed,
         rest.load_n, maps,
     )  # fmt: skip
+
+
+def _tried(scenario: Scenario, plough: Plough, geometry: Setting) -> Setting:
+    from twin.machine.trial import tried  # the trial is driven on a machine of this module
+
+    return tried(scenario, plough, geometry)
 
 
 def _leave_plough(spec: Any) -> None:
@@ -142,6 +166,22 @@ def _add_ground(
         conaffinity=2,
         rgba=[0.48, 0.40, 0.27, 1.0],
     )
+
+
+def _fit_tractor(spec: Any, plough: Plough, numbers: dict[str, float]) -> None:
+    """Weights on the tractor's front, which move its centre of gravity; the top link's hole."""
+    spec.site("top_link_front").pos[2] -= plough.drop_m
+    if plough.ballast_kg == 0.0:
+        return
+    place = np.array([numbers["front_ballast.x_m"], 0.0, numbers["front_ballast.z_m"]])
+    tractor, centre = spec.body("tractor"), spec.site("cg")
+    own_kg = sum(b.mass for b in spec.bodies if not b.name.startswith(("plough.", "world")))
+    centre.pos = (own_kg * centre.pos + plough.ballast_kg * place) / (own_kg + plough.ballast_kg)
+    inertia = plough.ballast_kg * np.array([0.08, 0.02, 0.08])  # a row 0.9 m wide
+    tractor.add_body(
+        name="front_ballast", pos=place, ipos=np.zeros(3), mass=plough.ballast_kg, inertia=inertia,
+        explicitinertial=True,
+    )  # fmt: skip
 
 
 def _add_activations(spec: Any) -> None:

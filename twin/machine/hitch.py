@@ -28,6 +28,17 @@ class Hitch:
             self.lower_front[1] + self.lower_length_m * math.sin(lift_rad),
         )
 
+    def plough_point(
+        self, lift_rad: float, top_length_m: float, point: tuple[float, float]
+    ) -> tuple[float, float]:
+        """A point of the plough, from the rear axle; `point` from its lower hitch points [m]."""
+        angle = lift_rad + self.pitch_rad_at(lift_rad, top_length_m)
+        x, z = self.hitch_point(lift_rad)
+        return (
+            x + point[0] * math.cos(angle) + point[1] * math.sin(angle),
+            z - point[0] * math.sin(angle) + point[1] * math.cos(angle),
+        )
+
     def top_length_m(self, lift_rad: float, pitch_rad: float) -> float:
         """Length of the top link; `pitch_rad` is the plough's angle on the lower links."""
         angle = lift_rad + pitch_rad

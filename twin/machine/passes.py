@@ -33,7 +33,10 @@ class Passes:
                 width_m(machine.scenario, numbers),
                 land_side(machine.scenario),
             )
-            self.models = (machine.model, build(turned_over(machine.scenario)).model)
+            self.models = (
+                machine.model,
+                build(turned_over(machine.scenario), setting=machine.setting).model,
+            )
             self.block = batch.expand("numeric_data")[0, -block.SIZE :]
             self.quat = batch.expand("body_quat")[0]
 

@@ -1,15 +1,72 @@
-"""How the operator sets the plough: top link, depth wheel, and upright in the furrow."""
+"""How the operator sets the plough: top link, lever, depth wheel, and upright in the furrow."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from twin.machine.driver import FLOAT_RAD
 from twin.machine.hitch import Hitch
 from twin.machine.parameters import body_id
-from twin.scenario import FURROW_SIDES, Scenario
+from twin.scenario import FURROW_SIDES, Plough, Scenario
 
 GRAVITY_MPS2 = 9.81
+SWING_RAD = 1e-4
+"""Small angle of the lower links by which a floating plough is in balance [rad]."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What the operator leaves lever and depth wheel at."""
+
+    lever_rad: float
+    """Angle of the lower links in work."""
+    lowest_rad: float
+    """Angle below which the lift does not lower."""
+    draft_n: float
+    """Draft that is expected in work."""
+    sag_m: float
+    """How far the depth wheel is pressed in where the shares are level at their depth; below 0 it
+    is clear of the ground."""
+
+
+@dataclass(frozen=True)
+class Mounted:
+    """A plough on its linkage before it is set, in the plane of the links."""
+
+    plough: Plough
+    numbers: dict[str, float]
+    hitch: Hitch
+    axle_height_m: float
+    """Of the rear axle's middle above the unploughed ground, in work."""
+    weight_n: float
+    points: dict[str, tuple[float, float]]
+    """Centre of mass, resultant of the soil's forces and hub of the depth wheel, from the hitch."""
+    draft_n: float
+    """Draft that is expected at 5.5 km/h."""
+
+    @property
+    def work_rad(self) -> float:
+        """Lower-link angle that puts the level plough at its depth where nothing squats."""
+        sole_m = self.numbers["plough.sole_below_hitch_m"]
+        return self.hitch.lift_rad_at(sole_m - self.plough.depth_m, self.axle_height_m)
+
+    @property
+    def top_length_m(self) -> float:
+        """Length of the top link that levels it there."""
+        return self.hitch.top_length_m(self.work_rad, -self.work_rad)
+
+    @property
+    def soil_down_n(self) -> float:
+        """Downward force of the soil that goes with the draft."""
+        return self.numbers["plough.vertical_ratio"] * self.draft_n
+
+    def place(self, lift_rad: float, name: str) -> tuple[float, float]:
+        """Where one of its points is at an angle of the lower links, from the rear axle."""
+        return self.hitch.plough_point(lift_rad, self.top_length_m, self.points[name])
 
 
 def furrow_roll_rad(scenario: Scenario, spec: Any) -> float:
@@ -26,29 +83,86 @@ def levelled(roll_rad: float) -> list[float]:
     return [math.cos(0.5 * roll_rad), -math.sin(0.5 * roll_rad), 0.0, 0.0]
 
 
-def set_plough(
+def mounted(
     model: Any,
-    plough: Any,
+    plough: Plough,
     draft_scale: float,
     numbers: dict[str, float],
     hitch: Hitch,
     axle_height_m: float,
-) -> float:
-    """Set top link and depth wheel so that the plough works level at its depth; the link angle."""
-    sole_m = numbers["plough.sole_below_hitch_m"]
-    work_rad = hitch.lift_rad_at(sole_m - plough.depth_m, axle_height_m)
-    model.tendon_lengthspring[model.tendon("top_link").id] = hitch.top_length_m(work_rad, -work_rad)
-    expected_n = expected_draft_n(numbers, plough.depth_m, draft_scale)
-    weight_n = GRAVITY_MPS2 * model.body_subtreemass[body_id(model, "plough.frame")]
-    carried_n = plough.wheel_share * (weight_n + numbers["plough.vertical_ratio"] * expected_n)
-    sag_m = carried_n / numbers["plough.depth_wheel.stiffness_npm"]
+) -> Mounted:
+    """The plough of a compiled model; `draft_scale` is what the operator expects."""
+    sites = [model.site(i) for i in range(model.nsite)]
+    shares_m = np.mean([s.pos for s in sites if s.name.startswith("plough.share_")], axis=0)
+    above_sole_m = (1.0 - numbers["plough.force_depth_ratio"]) * plough.depth_m
+    hub_m = model.body("plough.depth_wheel").pos
+    mass_m = model.body("plough.frame").ipos
+    points = {
+        "mass": (float(mass_m[0]), float(mass_m[2])),
+        "resultant": (float(shares_m[0]), float(shares_m[2]) + above_sole_m),
+        "hub": (float(hub_m[0]), float(hub_m[2])),
+    }
+    weight_n = GRAVITY_MPS2 * float(model.body_subtreemass[body_id(model, "plough.frame")])
+    draft_n = expected_draft_n(numbers, plough.depth_m, draft_scale)
+    return Mounted(plough, numbers, hitch, axle_height_m, weight_n, points, draft_n)
+
+
+def by_geometry(here: Mounted) -> Setting:
+    """What the linkage and the expected forces ask for where the tractor does not squat or sink."""
+    plough = here.plough
+    lowest_rad = FLOAT_RAD
+    if plough.mix > 0.0:
+        lowest_rad = _deeper_rad(here, plough.deepest_m - plough.depth_m)
+    if plough.hitch == "float":
+        carried_n = _floating_n(here)
+    else:
+        share = (1.0 - plough.mix) * plough.wheel_share
+        carried_n = share * (here.weight_n + here.soil_down_n)
+    sag_m = carried_n / here.numbers["plough.depth_wheel.stiffness_npm"]
+    if plough.mix == 1.0:  # nothing but the draft is held: it touches where nothing is lowered more
+        sag_m = here.place(lowest_rad, "hub")[1] - here.place(here.work_rad, "hub")[1]
+    return Setting(here.work_rad, lowest_rad, here.draft_n, sag_m)
+
+
+def set_plough(model: Any, here: Mounted, setting: Setting) -> None:
+    """Set top link and depth wheel of a compiled model."""
+    numbers = here.numbers
+    model.tendon_lengthspring[model.tendon("top_link").id] = here.top_length_m
+    ground_m = here.plough.depth_m - numbers["plough.sole_below_hitch_m"]
     radius_m = numbers["plough.depth_wheel.radius_m"]
-    model.body("plough.depth_wheel").pos[2] = plough.depth_m - sole_m + radius_m - sag_m
-    return work_rad
+    model.body("plough.depth_wheel").pos[2] = ground_m + radius_m - setting.sag_m
+
+
+def _floating_n(here: Mounted) -> float:
+    """Load of the depth wheel where the lift carries nothing.
+
+    The plough swings on its links, so the work of all forces in a small swing is zero:
+
+        N dz_hub = W dz_mass + V dz_resultant + D dx_resultant
+
+    with its weight W, the soil's downward force V, and the draft D backward.
+    """
+    low, high = here.work_rad - 0.5 * SWING_RAD, here.work_rad + 0.5 * SWING_RAD
+    moved = {n: np.subtract(here.place(high, n), here.place(low, n)) for n in here.points}
+    work_j = here.weight_n * moved["mass"][1] + here.soil_down_n * moved["resultant"][1]
+    return float((work_j + here.draft_n * moved["resultant"][0]) / moved["hub"][1])
+
+
+def _deeper_rad(here: Mounted, deeper_m: float) -> float:
+    """Lower-link angle that puts the bodies so far below the working depth (bisection)."""
+    wanted_m = here.place(here.work_rad, "resultant")[1] - deeper_m
+    low, high = here.work_rad - 0.5, here.work_rad
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        if here.place(middle, "resultant")[1] > wanted_m:
+            high = middle
+        else:
+            low = middle
+    return 0.5 * (low + high)
 
 
 def expected_draft_n(numbers: dict[str, float], depth_m: float, draft_scale: float) -> float:
-    """Draft the operator expects at 5.5 km/h (ASABE D497), to set depth wheel and hitch by."""
+    """Draft the operator expects at 5.5 km/h (ASABE D497)."""
     specific = numbers["plough.draft_a"] + numbers["plough.draft_c"] * 5.5**2
     width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
     return draft_scale * specific * width_m * 100.0 * depth_m

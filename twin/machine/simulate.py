@@ -14,14 +14,13 @@ from numpy.typing import NDArray
 
 from twin.machine.build import Machine
 from twin.machine.columns import Recorder
-from twin.machine.driver import FULL_DEPTH, Hands, Observed, Task, ackermann, drive
+from twin.machine.driver import Hands, Observed, Task, ackermann, drive, full_depth_m
 from twin.machine.ends import End, Moment, Outcome, Watch, driven_speeds
 from twin.machine.geometry import geometry
 from twin.machine.guard import Tape, all_finite, diverged, quiet
 from twin.machine.passes import Passes
-from twin.machine.plough_setting import expected_draft_n
 from twin.machine.route import LOWERING_M
-from twin.machine.start import RAISED_RAD
+from twin.machine.start import raised_rad
 from twin.machine.trajectory import Trajectory
 from twin.physics import block
 from twin.physics.block import MachineSlot
@@ -41,12 +40,30 @@ def _has_actuator(model: Any, name: str) -> bool:
     return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name)) >= 0
 
 
-def _expected_draft_n(machine: Machine) -> float:
-    scenario = machine.scenario
-    if scenario.plough is None:
-        return 0.0
-    scale = scenario.soil.resolved.draft_scale
-    return expected_draft_n(machine.numbers, scenario.plough.depth_m, scale)
+def task(machine: Machine) -> Task:
+    """What the driver of a machine is to do."""
+    plough, model = machine.scenario.plough, machine.model
+    bare = Task(
+        wheelbase_m=float(model.body("front_axle").pos[0]),
+        approach_m=machine.scenario.course.approach_m,
+        depth_m=None,
+        raised_rad=raised_rad(machine.scenario),
+        work_rad=machine.work_rad,
+        throttle=machine.throttle,
+    )
+    if plough is None or machine.setting is None:
+        return bare
+    return replace(
+        bare,
+        depth_m=plough.depth_m,
+        work_rad=machine.setting.lever_rad,
+        hitch=plough.hitch,
+        mix=plough.mix,
+        draft_n=machine.setting.draft_n,
+        sensitivity_rad=plough.sensitivity_rad,
+        lowest_rad=machine.setting.lowest_rad,
+        drop_rate_radps=plough.drop_rate_radps,
+    )
 
 
 class Cab:
@@ -64,18 +81,9 @@ class Cab:
         self.steps = round(DECISION_S / self.dt_s)
         self.controls = {n: model.actuator(n).id for n in CONTROLS if _has_actuator(model, n)}
         self.track_m = 2.0 * float(model.body("fl_knuckle").pos[1])
-        plough = machine.scenario.plough
-        self.task = Task(
-            wheelbase_m=float(model.body("front_axle").pos[0]),
-            approach_m=machine.scenario.course.approach_m,
-            depth_m=None if plough is None else plough.depth_m,
-            raised_rad=RAISED_RAD,
-            work_rad=machine.work_rad,
-            throttle=machine.throttle,
-            hitch="depth" if plough is None else plough.hitch,
-            draft_n=_expected_draft_n(machine),
-        )
-        self.hands = Hands(lift_rad=RAISED_RAD)
+        self.task = task(machine)
+        self.hands = Hands(lift_rad=self.task.raised_rad)
+        self.links = None if machine.hitch is None else int(model.joint("lift").qposadr[0])
         self.passes = Passes(machine, self.batch)
         self.decisions, self.deepest_m = 0, 0.0
         self.watch, self.leg = Watch(machine, DECISION_S), self.passes.legs[0]
@@ -109,6 +117,7 @@ class Cab:
             heading_rad=turned,
             depth_m=float(self.userdata[0, DEPTH_SLOT]),
             draft_n=float(self.userdata[0, DRAFT_SLOT]),
+            hitch_rad=0.0 if self.links is None else float(self.qpos[0, self.links]),
             turning=self.passes.turning,
             curvature_pm=self.passes.curvature_pm(along),
         )
@@ -196,7 +205,9 @@ class Cab:
         self.hands = replace(self.hands, full_depth_at_m=math.inf, bias_rad=0.0)
         if not self.passes.end(seen.along_m):
             return None
-        if self.task.depth_m is not None and self.deepest_m < FULL_DEPTH * self.task.depth_m:
+        if self.task.depth_m is not None and self.deepest_m < full_depth_m(
+            self.task.depth_m, self.task.hitch
+        ):
             return Outcome.SHALLOW, self.deepest_m
         return Outcome.DRIVEN, seen.along_m
 

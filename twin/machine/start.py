@@ -22,11 +22,16 @@ from twin.terrain.grid import GridMap
 Array = NDArray[np.float64]
 
 RAISED_RAD = 0.6
-"""Lower-link angle with the plough carried."""
+"""Lower-link angle without a plough, and with one that is carried unless its limit is another."""
 SETTLE_S = 4.0
 """Time in which the machine settles on its tyres before a run."""
 LOOK_S = 0.02
 """Time between two looks whether it is still finite."""
+
+
+def raised_rad(scenario: Scenario) -> float:
+    """Lower-link angle at which the machine of a scenario carries its plough."""
+    return RAISED_RAD if scenario.plough is None else scenario.plough.upper_limit_rad
 
 
 def unloaded_speed_mps(scenario: Scenario, numbers: dict[str, float]) -> float:
@@ -60,7 +65,7 @@ def settled(model: Any, qpos: Array, rotation: Array, scenario: Scenario) -> Set
     """
     state = mujoco.MjData(model)
     state.qpos[:] = qpos
-    for control, value in (("brake", 1.0), ("clutch_pedal", 1.0), ("lift", RAISED_RAD)):
+    for control, value in (("brake", 1.0), ("clutch_pedal", 1.0), ("lift", raised_rad(scenario))):
         actuator = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, control)
         if actuator >= 0:
             state.ctrl[actuator] = value
@@ -140,10 +145,10 @@ def standing(
     qpos[3:7] = quaternion(upright)
     if hitch is None:
         return np.asarray(qpos, dtype=np.float64)
-    qpos[model.joint("lift").qposadr[0]] = RAISED_RAD
+    qpos[model.joint("lift").qposadr[0]] = raised_rad(scenario)
     if scenario.plough is not None:
         top_m = hitch.top_length_m(work_rad, -work_rad)
-        pitch = hitch.pitch_rad_at(RAISED_RAD, top_m)
+        pitch = hitch.pitch_rad_at(raised_rad(scenario), top_m)
         qpos[model.joint("plough.pitch").qposadr[0]] = pitch
     return np.asarray(qpos, dtype=np.float64)
 

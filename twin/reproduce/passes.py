@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from twin import truth
 from twin.errors import BadInput
 from twin.machine.build import Machine, build
-from twin.machine.driver import FULL_DEPTH
+from twin.machine.driver import full_depth_m
 from twin.machine.simulate import simulate
 from twin.scenario import Scenario
 from twin.sensors import Sensors
@@ -57,7 +57,7 @@ def drive(scenario: Scenario) -> Pass:
     machine = build(replace(scenario, sensors=NO_SENSORS))
     parts = [truth.sample(chunk, ("rl", "rr")) for chunk in simulate(machine)]
     plough = machine.scenario.plough
-    full_m = 0.0 if plough is None else FULL_DEPTH * plough.depth_m
+    full_m = 0.0 if plough is None else full_depth_m(plough.depth_m, plough.hitch)
     table = truth.integrate(truth.concatenate(parts), full_m)
     return measure(machine, table)
 

@@ -48,7 +48,8 @@ NOT_VALIDATED = """\
 * **Plough.** Its side and vertical forces, the landside's friction, the depth wheel and the furrow
   wall are partitions and assumptions; the total alone follows a published law.
 * **Hitch and driver.** Control of the hitch, steering and depth corrections are plausible, not
-  identified from a machine.
+  identified from a machine. The gains of draft control, the front ballast it needs and the top
+  link's holes are assumed; how far a draft varies under it was compared with no measurement.
 * **Engine in transients.** Governor droop and full-load torque are fitted or assumed; inertia, and
   fuel, were not compared with a test.
 * **Repeated passes.** Ruts, compaction under earlier wheels and slip-sinkage are not simulated.
