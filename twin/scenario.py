@@ -289,9 +289,9 @@ class Plough:
     depth_m: float = 0.25
     """Working depth [m]."""
     wheel_share: float = 0.48
-    """Share of the plough's weight and downward soil force the depth wheel is set to carry [-]. In
-    mix it is set to (1 - `draft_mix`) of it, in draft to touch at `deepest_m`, and in float it
-    carries what the links do not."""
+    """Share of the plough's weight and downward soil force the depth wheel is set to carry in
+    depth, position and mix [-]. In float it carries what the links do not; in draft, and a mix of
+    1, it is up and touches at `deepest_m`."""
     furrow: str = "right"
     """Side whose wheels run in the last furrow: right, left, or none. A reversible plough turns
     over at the headland, so the side alternates from pass to pass."""
@@ -312,8 +312,8 @@ class Plough:
     deepest_m: float = 0.35
     """Depth at which draft and mix lower no further [m]; 0.35 is the plough's greatest."""
     front_ballast_kg: float | None = None
-    """Weights on the tractor's front [kg]. None for 500 in draft, where the tractor carries the
-    whole plough and would rear up, for `draft_mix` of it in mix, and for none else."""
+    """Weights on the tractor's front [kg]. None for 500 where the depth wheel is up, so that the
+    tractor carries the whole plough and would rear up, and else for none."""
     top_link_drop_m: float | None = None
     """How far below its upper hole the top link is pinned to the tractor [m]; None for 0.15 in
     float, where a steeper link puts more of the plough on the rear wheels, and else 0."""
@@ -347,12 +347,17 @@ class Plough:
         """Weights on the tractor's front in this mode."""
         if self.front_ballast_kg is not None:
             return self.front_ballast_kg
-        return FRONT_BALLAST_KG * self.mix
+        return FRONT_BALLAST_KG if self.wheel_up else 0.0
 
     @property
     def mix(self) -> float:
         """What the lift follows: 0 the lever's position, or neither; 1 the draft."""
         return {"draft": 1.0, "mix": self.draft_mix}.get(self.hitch, 0.0)
+
+    @property
+    def wheel_up(self) -> bool:
+        """Whether the depth wheel is up: where nothing but the draft is held."""
+        return self.mix == 1.0
 
     @property
     def drop_m(self) -> float:

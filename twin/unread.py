@@ -140,7 +140,7 @@ RULES = (
                                    "laser_bias_m inclination_bias_rad"),
           "sensors.machine.draft_pin_scale_error")),
     Rule("plough.hitch = depth, position or mix",
-         _hitch(lambda p: p.hitch != "float" and p.mix < 1.0), ("plough.wheel_share",)),
+         _hitch(lambda p: p.hitch != "float" and not p.wheel_up), ("plough.wheel_share",)),
     Rule("plough.hitch other than depth, or plough.wheel_share above 0",
          _hitch(lambda p: p.hitch != "depth" or p.wheel_share > 0.0),
          ("plough.expected_draft_scale",)),

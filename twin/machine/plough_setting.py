@@ -113,14 +113,13 @@ def by_geometry(here: Mounted) -> Setting:
     lowest_rad = FLOAT_RAD
     if plough.mix > 0.0:
         lowest_rad = _deeper_rad(here, plough.deepest_m - plough.depth_m)
+    if plough.wheel_up:  # it touches where the lift lowers no further
+        sag_m = here.place(lowest_rad, "hub")[1] - here.place(here.work_rad, "hub")[1]
+        return Setting(here.work_rad, lowest_rad, here.draft_n, sag_m)
+    carried_n = plough.wheel_share * (here.weight_n + here.soil_down_n)
     if plough.hitch == "float":
         carried_n = _floating_n(here)
-    else:
-        share = (1.0 - plough.mix) * plough.wheel_share
-        carried_n = share * (here.weight_n + here.soil_down_n)
     sag_m = carried_n / here.numbers["plough.depth_wheel.stiffness_npm"]
-    if plough.mix == 1.0:  # nothing but the draft is held: it touches where nothing is lowered more
-        sag_m = here.place(lowest_rad, "hub")[1] - here.place(here.work_rad, "hub")[1]
     return Setting(here.work_rad, lowest_rad, here.draft_n, sag_m)
 
 
