@@ -86,6 +86,7 @@ def test_every_rule_is_of_a_field_there_is_and_is_broken_by_something():
         f"{s}.{f.name}" for s in ("soil", "field.other_soil") for f in dataclasses.fields(Soil)
     }
     fields |= {f"field.{f.name}" for f in dataclasses.fields(Field)}
+    fields |= {f"plough.{f.name}" for f in dataclasses.fields(Plough)}
     for name, config in Sensors().fitted().items():
         fields |= {f"sensors.{name}.{f.name}" for f in dataclasses.fields(config)}
     camera = {"sensors.camera.processing_s"}

@@ -133,8 +133,9 @@ def _work(task: Task, hands: Hands, seen: Observed, depth_m: float, dt_s: float)
         lift = _lifted(task, hands.lift_rad, task.work_rad + trim, dt_s)
     elif task.hitch == "float":
         lift = _lifted(task, hands.lift_rad, FLOAT_RAD, dt_s)
-    else:
-        lift = hands.lift_rad + valve_radps(task, seen.hitch_rad, hands.felt_n) * dt_s
+    else:  # lowered to the lever's angle before there is a draft to hold
+        held = task if math.isfinite(full) else replace(task, mix=0.0)
+        lift = hands.lift_rad + valve_radps(held, seen.hitch_rad, hands.felt_n) * dt_s
         lift = max(lift, seen.hitch_rad - SLACK_RAD)
     return replace(hands, lift_rad=float(lift), trim_rad=trim, full_depth_at_m=full, working=True)
 
