@@ -20,7 +20,7 @@ from twin.machine.ends import (
     stance,
 )
 from twin.machine.simulate import simulate
-from twin.scenario import Course, Plough
+from twin.scenario import Course, Drive, Plough
 
 PERIOD_S = 0.02
 UPRIGHT = np.array([0.0, 0.0, 1.0])
@@ -60,7 +60,8 @@ EARLY = {
     "downhill without grip": (
         field(soiled(BARE, friction=0.1), grade_deg=-15.0), Outcome.SLID,
     ),
-    "twice the draft": (soiled(DEEP, draft_scale=2.0), Outcome.STALLED),
+    "twice the draft": (soiled(DEEP, draft_scale=2.0), Outcome.STUCK),
+    "too tall a gear": (replace(PLOUGHING, drive=Drive(gear_ratio=20.0)), Outcome.STALLED),
     "a slope without grip": (SLIPPERY, Outcome.LEFT_LINE),
     "a plough that hangs on its wheel": (
         replace(PLOUGHING, plough=Plough(depth_m=0.05, wheel_share=1.0)), Outcome.SHALLOW,

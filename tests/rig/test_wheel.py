@@ -88,7 +88,7 @@ def test_side_force_is_odd_and_traction_even_in_slip_angle(soil):
     slip, angle = np.meshgrid([-0.1, 0.0, 0.1, 0.3], np.radians([2.0, 8.0, 20.0]))
     right = wheel(TYRE, soil, slip=slip, load_n=LOAD_N, slip_angle_rad=angle)
     left = wheel(TYRE, soil, slip=slip, load_n=LOAD_N, slip_angle_rad=-angle)
-    assert right.slip_angle_rad == pytest.approx(angle.ravel(), abs=1e-9)
+    assert right.slip_angle_rad == pytest.approx(angle.ravel(), abs=1e-7)
     assert right.lateral_n == pytest.approx(-left.lateral_n, rel=1e-6)
     assert right.net_pull_n == pytest.approx(left.net_pull_n, rel=1e-6, abs=0.1)
     assert right.axle_torque_nm == pytest.approx(left.axle_torque_nm, rel=1e-6, abs=0.1)

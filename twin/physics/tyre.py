@@ -22,8 +22,8 @@ RADIUS_PER_DEFLECTION = 1.0 / 3.0
 """Loss of rolling radius per deflection; a bias tyre's circumference shortens by a third of it."""
 LIFTED_S = 0.05
 """Time in which the deflections of a lifted wheel vanish [s]."""
-SLOWEST_MPS = 0.01
-"""Slowest travel by which slip is measured [m/s]: at rest it is not noise over noise."""
+SLOWEST_MPS = 0.05
+"""Slowest travel by which slip is measured [m/s], as slip is defined: no noise over noise."""
 LEAST_SLIP = 1e-7
 """Slip at which the law's secant is taken where there is none [-]."""
 LEAST_SINE = 1e-6
@@ -182,7 +182,7 @@ def roll_wheel(
     u_x, u_y = act[tyre], act[tyre + 1]
     slots[WheelSlot.RATE_RADPS], slots[WheelSlot.ROLLING_RADIUS_M] = rate, radius
     slots[WheelSlot.SPEED_X_MPS], slots[WheelSlot.SPEED_Y_MPS] = roll, side
-    slots[WheelSlot.SLIP] = (spin - roll) / max(abs(spin), abs(roll), 0.05)
+    slots[WheelSlot.SLIP] = (spin - roll) / max(abs(spin), abs(roll), SLOWEST_MPS)
     powers[PowerSlot.TYRE] -= rigid.dot(force, velocity) + rigid.dot(torque, turning)
     load_l, damped_l, taken_l = damped(push_l, half_c, tread, aside_m, axle, normal,
                                        velocity, turning)  # fmt: skip

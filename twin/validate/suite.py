@@ -8,7 +8,16 @@ from typing import Any
 from joblib import delayed
 
 from twin.many import many
-from twin.validate import analytic, field, handling, instruments, numerical, terrain, traction
+from twin.validate import (
+    analytic,
+    field,
+    handling,
+    instruments,
+    numerical,
+    roll,
+    terrain,
+    traction,
+)
 from twin.validate.check import Check
 
 LAYERS = {
@@ -28,6 +37,7 @@ TASKS: tuple[tuple[str, Callable[[], list[Check]]], ...] = (
     ("analytic", analytic.crab_angle),
     ("analytic", analytic.parking),
     ("analytic", handling.yaw_response),
+    ("analytic", roll.roll_mode),
     ("table", traction.brixius_table),
     ("table", traction.top_efficiency),
     ("table", traction.towed_wheel),
