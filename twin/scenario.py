@@ -26,6 +26,8 @@ HITCH_MODES = ("depth", "position", "draft", "float")
 ROUGHNESS = {"smooth": 0.0, **{c: 16e-6 * 4.0**i for i, c in enumerate("ABCDEF")}}
 """G_d(n0) at n0 = 0.1 cycles/m [m3]: geometric means of ISO 8608's classes."""
 MOST_PATCHES = 4
+FRICTIONS, CONE_INDICES_KPA = (0.05, 1.5), (50.0, 5000.0)
+"""Friction and cone index that a soil may have, on its patches too."""
 LEAST_APPROACH_M = 15.0
 """Shortest approach after a turn [m]."""
 STEPS_S = (0.0005, 0.001, 0.002)
@@ -114,9 +116,9 @@ class Soil:
         if self.law not in LAWS and ":" not in self.law:
             raise UnknownName("soil law", self.law, LAWS)
         resolved = self.resolved
-        check_range("soil.friction", resolved.friction, 0.05, 1.5)
+        check_range("soil.friction", resolved.friction, *FRICTIONS)
         if self.cone_index_kpa is not None or not math.isnan(resolved.cone_index_kpa):
-            check_range("soil.cone_index_kpa", resolved.cone_index_kpa, 50.0, 5000.0)
+            check_range("soil.cone_index_kpa", resolved.cone_index_kpa, *CONE_INDICES_KPA)
         elif self.law == "brixius":
             raise BadInput(
                 f"soil preset '{self.preset}' has no cone index, which Brixius' law needs; "
@@ -363,6 +365,28 @@ class Course:
         check_range("course.heading_deg", self.heading_deg, -180.0, 180.0)
 
 
+def _check_patches(soil: Preset, patches: tuple[Patch, ...]) -> None:
+    """Refuse patches on which the soil would leave the ranges it is held to elsewhere.
+
+    Raises:
+        OutOfRange: friction or cone index of the soil times the factors of a patch, and of those
+            that overlap it.
+    """
+    factors = {"friction": FRICTIONS, "cone_index_kpa": CONE_INDICES_KPA}
+    for i, patch in enumerate(patches):
+        here = [p for p in patches if p.start_m <= patch.start_m < p.start_m + p.length_m]
+        for name, (low, high) in factors.items():
+            kind = f"{name.removesuffix('_kpa')}_factor"
+            factor = math.prod(getattr(p, kind) for p in here)
+            value = getattr(soil, name) * factor
+            if not (math.isnan(value) or low <= value <= high):
+                raise OutOfRange(
+                    f"field.patches[{i}].{kind}", f"{factor:g}",
+                    f"what soil.{name} = {getattr(soil, name):g} allows: times the factor it is "
+                    f"{value:g}, and [{low:g}, {high:g}] would do",
+                )  # fmt: skip
+
+
 @dataclass(frozen=True, kw_only=True)
 class Scenario:
     """One run: a machine on a field, what it does, what measures it, and the seed of all chance."""
@@ -393,6 +417,7 @@ class Scenario:
             raise OutOfRange("timestep_s", self.timestep_s, f"the choices {STEPS_S}")
         if not 0 <= self.seed < 2**31:
             raise OutOfRange("seed", self.seed, "[0, 2147483647]")
+        _check_patches(self.soil.resolved, self.field.patches)
 
     def with_numbers(self) -> Scenario:
         """The same scenario with its presets' numbers in it, so that it stays what was driven."""

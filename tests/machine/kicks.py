@@ -23,20 +23,10 @@ class Kicked:
     """What came of a kick."""
 
     kick_j: float
-    fine: bool
-    """Whether the step is 1 ms or shorter, or the machine heavy."""
     rise_j: float
-    """Most by which the energy was ever above what it had been before."""
-    rise_over_start_j: float
-
-    @property
-    def share(self):
-        """The rise over the kick.
-
-        Above any earlier energy. At 2 ms light wheels that jump are integrated too coarsely for
-        that, and what counts is never to be above the start.
-        """
-        return (self.rise_j if self.fine else self.rise_over_start_j) / self.kick_j
+    """Most by which the energy was ever above what the kick had left."""
+    later_rise_j: float
+    """Most by which it was ever above any earlier value."""
 
 
 def random_scenario(rng):
@@ -95,9 +85,8 @@ def kicked(scenario, rng):
         mujoco.mj_forward(model, state)
         held.append(stored_j(machine, state))
     energy = np.array(held)
-    rise = float(np.max(energy - np.minimum.accumulate(energy)))
-    fine = scenario.timestep_s < 0.002 or scenario.machine != "electric_tractor"
-    return Kicked(0.5 * float(kick @ taken), fine, rise, float(energy.max() - energy[0]))
+    later = float(np.max(energy - np.minimum.accumulate(energy)))
+    return Kicked(0.5 * float(kick @ taken), float(energy.max() - energy[0]), later)
 
 
 def stored_j(machine, state):
@@ -118,10 +107,17 @@ def stored_j(machine, state):
 
 
 def worst(seeds):
-    """The largest rise over its kick, and the scenario it was in."""
+    """The largest rise over its kick, and the scenario it was in.
+
+    A rise over any earlier energy counts too, a fifth as much, where the step resolves what it
+    happens in: at 2 ms a light wheel that jumps is integrated too coarsely for that.
+    """
     found = []
     for seed in seeds:
         rng = np.random.default_rng(seed)
         scenario = replace(random_scenario(rng), name=f"kicked-{seed}")
-        found.append((kicked(scenario, rng).share, scenario))
+        seen = kicked(scenario, rng)
+        resolved = scenario.timestep_s < 0.002 or scenario.machine != "electric_tractor"
+        rise = max(seen.rise_j, 0.2 * seen.later_rise_j if resolved else 0.0)
+        found.append((rise / seen.kick_j, scenario))
     return max(found, key=lambda pair: pair[0])

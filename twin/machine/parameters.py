@@ -53,7 +53,7 @@ def parameter_block(
     parts: list[tuple[int, dict[Any, float]]] = [
         (0, head),
         (block.FIELD, field_part(scenario, numbers, rotation)),
-        (block.SOIL, soil_part(scenario.soil)),
+        (block.SOIL, soils(scenario)[0]),
         (block.ENGINE, _engine(scenario, model, numbers)),
     ]
     for name, at in MAPS.items():
@@ -87,7 +87,11 @@ def soil_part(soil: Ground) -> dict[Any, float]:
     return {
         Soil.LAW: law_number(soil.law),
         Soil.FRICTION: preset.friction,
-        Soil.CONE_INDEX_KPA: 0.0 if math.isnan(preset.cone_index_kpa) else preset.cone_index_kpa,
+        **(
+            {}
+            if math.isnan(preset.cone_index_kpa)
+            else {Soil.CONE_INDEX_KPA: preset.cone_index_kpa}
+        ),
         Soil.SLIP_RATE: preset.slip_rate,
         Soil.ROLLING_MOMENT: preset.rolling_moment,
         Soil.MOBILITY_RESISTANCE: preset.mobility_resistance,
@@ -100,6 +104,19 @@ def soil_part(soil: Ground) -> dict[Any, float]:
         Soil.ROCK_N: 1e3 * soil.rock_kn,
         **_deformable_part(soil.law, preset.deformable, soil.friction_scale),
     }
+
+
+def soils(scenario: Scenario) -> tuple[dict[Any, float], dict[Any, float]]:
+    """The block's numbers of the soil and of the other soil, each completed by the other's.
+
+    Where they meet their numbers are mixed; one that was never measured takes no part in it.
+    """
+    own, other = soil_part(scenario.soil), soil_part(scenario.field.other_soil)
+    for lacking, giving in ((own, dict(other)), (other, dict(own))):
+        for name, value in giving.items():
+            if name not in lacking:
+                lacking[name] = value
+    return own, other
 
 
 def _deformable_part(law: str, soil: Deformable | None, friction_scale: float) -> dict[Any, float]:
@@ -126,8 +143,7 @@ def _deformable_part(law: str, soil: Deformable | None, friction_scale: float) -
 def field_part(scenario: Scenario, numbers: dict[str, float], rotation: Array) -> dict[Any, float]:
     """Ground plane, furrow, patches and the other soil, as numbers of the block."""
     out: dict[Any, float] = {Field.SEED: scenario.seed, Field.PASS_WAY: 1.0}
-    other = soil_part(scenario.field.other_soil)
-    out |= {Field.OTHER + name: value for name, value in other.items()}
+    out |= {Field.OTHER + name: value for name, value in soils(scenario)[1].items()}
     for i, axis in enumerate((Field.AHEAD, Field.LEFT, Field.NORMAL)):
         out |= {axis + k: rotation[k, i] for k in range(3)}
     if scenario.plough is not None:
