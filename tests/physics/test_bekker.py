@@ -159,8 +159,8 @@ def test_forces_pass_through_zero_slip_without_a_step(ground, tyre, load, side):
 def test_a_wheel_rolling_backwards_is_one_rolling_forwards_seen_from_behind(
     ground, spin, roll, u_x, u_y
 ):
-    once = relaxed_shear(ground, wheel(), 10e3, spin, roll, 0.0, u_x, u_y, 0.002)
-    back = relaxed_shear(ground, wheel(), 10e3, -spin, -roll, 0.0, -u_x, -u_y, 0.002)
+    once = relaxed_shear(ground, wheel(), 10e3, spin, roll, 0.0, (u_x, u_y, u_x, u_y), 0.002)
+    back = relaxed_shear(ground, wheel(), 10e3, -spin, -roll, 0.0, (-u_x, -u_y, -u_x, -u_y), 0.002)
     if spin + roll != 0.0:
         assert back[:2] == pytest.approx([-f for f in once[:2]], abs=1e-9)
         assert back[2:5] == pytest.approx(once[2:5])
@@ -172,7 +172,8 @@ def test_shear_is_continuous_through_standstill(u_x, u_y):
     """The spring of a parked tyre does not feel which way it is about to roll."""
     ground = sinking(*SOILS["C"])
     ahead, back = (
-        relaxed_shear(ground, wheel(), 20e3, v, v, 0.0, u_x, u_y, 0.002) for v in (1e-9, -1e-9)
+        relaxed_shear(ground, wheel(), 20e3, v, v, 0.0, (u_x, u_y, u_x, u_y), 0.002)
+        for v in (1e-9, -1e-9)
     )
     assert ahead[:2] == pytest.approx(back[:2], abs=1e-3)
 

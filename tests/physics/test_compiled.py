@@ -19,7 +19,7 @@ PROGRAM = """
 import numpy as np
 from tests.physics.blocks import soil, wheel
 from twin.physics.tyre import relaxed_shear
-force = relaxed_shear(soil(), wheel(), 21.7e3, 1.7, 1.5, 0.1, 0.02, -0.04, 0.002)
+force = relaxed_shear(soil(), wheel(), 21.7e3, 1.7, 1.5, 0.1, (0.02, -0.04, 0.1, -0.05), 0.002)
 hits = sum(relaxed_shear.stats.cache_hits.values())
 print(repr(force[0]), hits)
 """

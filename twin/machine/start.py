@@ -66,7 +66,7 @@ def settled(model: Any, qpos: Array, rotation: Array, scenario: Scenario) -> Set
             state.ctrl[actuator] = value
     _settle(model, state, scenario)
     act = np.array(state.act)
-    act[2 * len(block.WHEELS) :] = 0.0
+    act[4 * len(block.WHEELS) :] = 0.0
     slots = state.userdata[: block.MACHINE_SLOTS].reshape(len(block.WHEELS), -1)
     load_n = np.array(slots[:, WheelSlot.LOAD_N])
     rest = np.array(state.qpos)

@@ -106,7 +106,7 @@ class Wheel(IntEnum):
 
     BODY = 0  # -1 where there is no wheel
     SPIN = 1  # address of the joint's velocity
-    TYRE = 2  # activation of the longitudinal deflection; the lateral one follows
+    TYRE = 2  # activation of the deflection along; that across and the contact's slips follow
     WIDTH_M = 3
     DIAMETER_M = 4
     DEFLECTION_RATIO = 5

@@ -61,7 +61,7 @@ def stand(
     inertias["spin"] = mass_kg * sizes[Wheel.FREE_ROLLING_RADIUS_M] ** 2
     _add_bodies(spec, inertias, 0.5 * sizes[Wheel.DIAMETER_M])
     tyre = _actuator(spec, "tyre", "spin", dyntype=mujoco.mjtDyn.mjDYN_USER, gain=0.0)
-    tyre.actdim = 2
+    tyre.actdim = 4
     _actuator(spec, "lift", "up", gain=1.0)
     for joint in held:
         _servo(spec, joint, inertias[joint])
