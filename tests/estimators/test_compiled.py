@@ -42,7 +42,7 @@ def test_an_edited_callee_runs_in_its_new_form(tmp_path):
     package.mkdir()
     (package / "__init__.py").write_text("")
     shutil.copy(SOURCE, package / "compiled.py")
-    head = "from estimators.compiled import compiled\n"
+    head = "from twin.compiled import compiled\n"
     (package / "caller.py").write_text(
         f"{head}from estimators.callee import law\n@compiled\ndef go(x):\n    return law(x) + 1\n"
     )

@@ -34,11 +34,11 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from twin.compiled import c_callback
 from twin.errors import BadInput, TwinError
 from twin.physics import block
 from twin.physics.block import Head, MachineSlot, PowerSlot, Soil, WheelSlot
 from twin.physics.callback import install
-from twin.physics.compiled import c_callback
 from twin.physics.laws import law_number
 from twin.plain import from_plain, to_plain
 from twin.scenario import Scenario

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from twin.compiled import law
 from twin.physics import rigid
 from twin.physics.block import Field, PowerSlot, Soil, Wheel, WheelSlot
-from twin.physics.compiled import law
 from twin.physics.ground import beside_pass, field_axis, furrow, on_ground, soil_at, surface
 from twin.physics.laws import soil_forces
 from twin.physics.shapes import Array, Vector
