@@ -15,7 +15,6 @@ import platform
 import re
 import shutil
 import tempfile
-import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -25,7 +24,8 @@ from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import numba
-from numba.core.caching import FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, InTreeCacheLocator
+from numba.core.ccallback import CFunc
 from numba.core.sigutils import normalize_signature
 
 P = ParamSpec("P")
@@ -38,7 +38,6 @@ LIBRARIES = ("llvmlite", "mujoco", "numba", "numpy")
 UNUSED_S = 30 * 86400.0
 """Machine code that no process asked for in so long is deleted."""
 STARTED_S = time.time()
-_LOCK = threading.RLock()
 IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+)?import[ \t]+(\([^)]*\)|.+)", re.MULTILINE)
 
 
@@ -65,10 +64,11 @@ def c_callback(signature: Any) -> Callable[[Callable[..., Any]], Any]:
     """Compile a function to a C function, with its `address`, at once."""
 
     def build(function: Callable[..., Any]) -> Any:
-        def kept(cache: bool) -> Any:
-            return numba.cfunc(signature, cache=cache, error_model="numpy")(function)
-
-        return _kept(function, kept)
+        options = {"error_model": "numpy"}
+        made = CFunc(function, normalize_signature(signature), locals={}, options=options)
+        _keep(made, function)
+        made.compile()
+        return made
 
     return build
 
@@ -76,8 +76,12 @@ def c_callback(signature: Any) -> Callable[[Callable[..., Any]], Any]:
 def key(file: Path, *more: str) -> str:
     """Sixteen hex digits for all that compiled functions of a file can read."""
     texts = sorted(f"{'/'.join(source.parts[-2:])} {_digest(source)}" for source in sources(file))
-    versions = [platform.python_version(), *(f"{name} {version(name)}" for name in LIBRARIES)]
-    return hashlib.sha256("\n".join([*versions, *texts, *more]).encode()).hexdigest()[:16]
+    return hashlib.sha256("\n".join([*_versions(), *texts, *more]).encode()).hexdigest()[:16]
+
+
+@cache
+def _versions() -> tuple[str, ...]:
+    return platform.python_version(), *(f"{name} {version(name)}" for name in LIBRARIES)
 
 
 @cache
@@ -156,8 +160,26 @@ def _is_edited(file: Path) -> bool:
         return True
 
 
-class _Cache(FunctionCache):  # type: ignore[misc]  # numba has no types
-    """numba's cache of one function, where two processes may compile at once on a full disk."""
+class _Locator(InTreeCacheLocator):  # type: ignore[misc]  # numba has no types
+    """Tells numba the folder, which is the same for every copy of the same sources."""
+
+    def __init__(self, function: Any, file: str) -> None:
+        super().__init__(function, file)
+        self._cache_path = str(folder(Path(file)))
+
+    def get_source_stamp(self) -> str:
+        """Nothing: the folder's name tells one state of the sources from another."""
+        return ""
+
+
+class _Results(CompileResultCacheImpl):  # type: ignore[misc]
+    _locator_classes = (_Locator,)
+
+
+class _Cache(FunctionCache):  # type: ignore[misc]
+    """numba's cache of one function, where two processes may write at once, on a full disk."""
+
+    _impl_class = _Results
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """What was kept for these types of arguments.
@@ -165,38 +187,29 @@ class _Cache(FunctionCache):  # type: ignore[misc]  # numba has no types
         Two processes that compile the function for different types at the same moment may both
         write the first data file, and then the index gives one's types to the other's code.
         """
-        found = super().load_overload(sig, target_context)
+        try:
+            found = super().load_overload(sig, target_context)
+        except Exception:  # a damaged file: numba unpickles what it finds
+            return None
         wanted, _ = normalize_signature(sig)
         return found if found is not None and tuple(found.signature.args) == wanted else None
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep it if that can be done."""
-        with suppress(OSError):
+        with suppress(Exception):
             super().save_overload(sig, data)
 
 
 def _njit(function: Callable[P, R], **options: Any) -> Callable[P, R]:
-    def build(kept: bool) -> Any:
-        dispatcher = numba.njit(cache=kept, nogil=True, **options)(function)
-        if kept:
-            dispatcher._cache = _Cache(function)
-        return dispatcher
-
-    made: Callable[P, R] = _kept(function, build)
-    return made
+    made = numba.njit(nogil=True, **options)(function)
+    _keep(made, function)
+    dispatcher: Callable[P, R] = made
+    return dispatcher
 
 
-def _kept(function: Callable[..., Any], build: Callable[[bool], Any]) -> Any:
-    """What `build(kept)` makes, with numba's cache in the folder of the function's file."""
+def _keep(made: Any, function: Callable[..., Any]) -> None:
+    """Let numba look for machine code, and keep it, in the folder of the function's file."""
     file = Path(function.__code__.co_filename)
-    where = folder(file)
-    if where is None or _is_edited(file):
-        return build(False)
-    with _LOCK:  # numba takes the folder from a global
-        before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(where)
-        try:
-            return build(True)
-        except OSError:  # it could be written a moment ago
-            return build(False)
-        finally:
-            numba.config.CACHE_DIR = before
+    if folder(file) is not None and not _is_edited(file):
+        with suppress(RuntimeError):  # the folder could be written a moment ago
+            made._cache = _Cache(function)
