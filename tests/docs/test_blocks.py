@@ -9,6 +9,7 @@ A comment before a block says if something else becomes of it:
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
@@ -74,23 +75,18 @@ def commands(page: Path) -> list[list[str]]:
 @pytest.mark.parametrize("page", RUN, ids=name)
 def test_every_block_runs(page: Path, tmp_path: Path) -> None:
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    surroundings = {**os.environ, "PATH": path, "PYTHONPATH": str(ROOT)}
-    for block in blocks(page):
-        if block.file is not None:
-            (tmp_path / block.file).write_text(block.text, encoding="utf-8")
-        elif block.runs:
-            python = [sys.executable, "-W", "error", "-c", block.text]
-            bash = ["bash", "-euo", "pipefail", "-c", block.text]
-            ran = subprocess.run(
-                python if block.language == "python" else bash,
-                cwd=tmp_path,
-                env=surroundings,
-                capture_output=True,
-                text=True,
-                timeout=300,
-            )
-            assert ran.returncode == 0, f"{block.text}\n{ran.stderr}"
-            assert "Warning" not in ran.stderr
+    done = [(b.file or b.language, b.text) for b in blocks(page) if b.file or b.runs]
+    ran = subprocess.run(
+        [sys.executable, "-W", "error", str(Path(__file__).with_name("run_page.py"))],
+        input=json.dumps(done),
+        cwd=tmp_path,
+        env={**os.environ, "PATH": path, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
+    assert ran.returncode == 0, ran.stderr
+    assert "Warning" not in ran.stderr
 
 
 def test_every_block_is_run_or_says_why_not() -> None:
