@@ -38,7 +38,7 @@ from twin.scenario import (
 )
 from twin.soils import LAWS, PRESETS
 
-COUNT = int(os.environ.get("RANDOM_SCENARIOS", "40"))
+COUNT = int(os.environ.get("RANDOM_SCENARIOS", "20"))
 SEED = int(os.environ.get("RANDOM_SEED", "0"))
 DRIVEN_S = 5.0
 MOST_MPS = 40.0

@@ -16,21 +16,15 @@ from twin.scenario import Soil
 SLIPS = np.array([0.05, 0.10, 0.15, 0.20, 0.25, 0.30])
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("soil", "hitch_m"),
-    [
-        (Soil(), 0.45),
-        (Soil(preset="soft"), 0.45),
-        (Soil(), 0.80),
-        (Soil(law="bekker"), 0.45),
-    ],
-    ids=["firm", "soft", "high hitch", "bekker"],
-)
-def test_the_tractor_pulls_what_its_wheels_pull_after_weight_transfer(soil, hitch_m):
+def pulls_what_its_wheels_pull(soil, hitch_m):
     curve = drawbar(soil, hitch_m=hitch_m, most_slip=0.33)
     pull = np.interp(SLIPS, curve.slip, curve.pull_n)
     assert pull == pytest.approx(expected_pull_n(soil, SLIPS, hitch_m=hitch_m), rel=0.01)
+
+
+def test_the_tractor_pulls_what_its_wheels_pull_after_weight_transfer():
+    """On other soils and hitches: tests/long."""
+    pulls_what_its_wheels_pull(Soil(), 0.45)
 
 
 def test_pulling_moves_load_to_the_rear_by_the_height_of_the_hitch():
@@ -78,10 +72,7 @@ def test_a_crab_angle_is_the_slip_angle_that_holds_the_rear_axles_share_of_the_w
     assert seen.crab_angle_rad[0] == pytest.approx(alone, rel=0.08)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("preset", ["firm", "soft"])
-def test_the_crab_angle_is_that_of_the_equilibrium(preset):
-    slopes = [5.0, 12.0, 18.0]
+def crabs_as_the_equilibrium_does(preset, slopes):
     seen, wanted = slope(Soil(preset=preset), slopes), expected(Soil(preset=preset), slopes)
     assert seen.crab_angle_rad == pytest.approx(wanted.crab_angle_rad, rel=0.01)
     assert seen.slip == pytest.approx(wanted.slip, rel=0.03)
@@ -89,12 +80,9 @@ def test_the_crab_angle_is_that_of_the_equilibrium(preset):
     assert seen.lower_load_n == pytest.approx(wanted.lower_load_n, rel=0.015)
 
 
-@pytest.mark.slow
-def test_bekkers_crab_angle_is_that_of_the_equilibrium():
-    soil = Soil(law="bekker")
-    assert slope(soil, [10.0]).crab_angle_rad == pytest.approx(
-        expected(soil, [10.0]).crab_angle_rad, rel=0.01
-    )
+def test_the_crab_angle_is_that_of_the_equilibrium():
+    """On other slopes and soils: tests/long."""
+    crabs_as_the_equilibrium_does("firm", [12.0])
 
 
 def test_the_other_slope_is_the_mirror_image_and_the_level_has_no_crab_angle():

@@ -17,9 +17,10 @@ from twin.machine.columns import Recorder
 from twin.machine.driver import FULL_DEPTH, Hands, Observed, Task, ackermann, drive
 from twin.machine.ends import End, Moment, Outcome, Watch, driven_speeds
 from twin.machine.geometry import geometry
-from twin.machine.guard import Tape, all_finite, diverged, quiet
+from twin.machine.guard import Tape, all_finite, diverged
 from twin.machine.passes import Passes
 from twin.machine.plough_setting import expected_draft_n
+from twin.machine.quiet import quiet
 from twin.machine.route import LOWERING_M
 from twin.machine.start import RAISED_RAD
 from twin.machine.trajectory import Trajectory

@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.machine.ground_frame import quaternion
-from twin.machine.guard import STATE, Tape, all_finite, diverged, quiet, warning_text
+from twin.machine.guard import STATE, Tape, all_finite, diverged, warning_text
 from twin.machine.guard import Diverged as Diverged
 from twin.machine.hitch import Hitch
+from twin.machine.quiet import quiet
 from twin.physics import block
 from twin.physics.block import WheelSlot
 from twin.scenario import Scenario

@@ -14,8 +14,8 @@ import math
 
 import numpy as np
 
+from twin.compiled import law
 from twin.physics.block import Soil, Wheel
-from twin.physics.compiled import law
 from twin.physics.shapes import Array
 
 RIGID_NPM = 1e8

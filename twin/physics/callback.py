@@ -15,6 +15,7 @@ from typing import Any
 import mujoco
 from numba import carray, types
 
+from twin.compiled import c_callback, law
 from twin.errors import BadInput
 from twin.physics import block, layout, memory, rigid
 from twin.physics.block import (
@@ -30,7 +31,6 @@ from twin.physics.block import (
     Wheel,
     WheelSlot,
 )
-from twin.physics.compiled import c_callback, law
 from twin.physics.contact import felt_height
 from twin.physics.coupling import twist
 from twin.physics.engine import (

@@ -18,9 +18,9 @@ from __future__ import annotations
 
 import math
 
+from twin.compiled import law
 from twin.physics import rigid
 from twin.physics.block import Field, Grid, Wheel
-from twin.physics.compiled import law
 from twin.physics.ground import field_axis, on_nodes, smooth_step
 from twin.physics.shapes import Array, Vector
 

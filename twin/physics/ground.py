@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from twin.compiled import law
 from twin.physics.block import Field, Grid, Soil
-from twin.physics.compiled import law
 from twin.physics.shapes import Array, Vector
 
 _MIX_X, _MIX_Y, _MIX_SEED = (

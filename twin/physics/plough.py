@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from twin.compiled import law
 from twin.physics import rigid
 from twin.physics.block import Field, Plough, Soil
-from twin.physics.compiled import law
 from twin.physics.ground import RIPPLE, ROCKS, node_value, random_field
 from twin.physics.shapes import Array, Vector, Vector2
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from twin.compiled import law
 from twin.physics import rigid
 from twin.physics.block import Field, PowerSlot, Soil, Wheel, WheelSlot
-from twin.physics.compiled import law
 from twin.physics.contact import RING, ring, upward
 from twin.physics.furrow_wall import wall_force
 from twin.physics.ground import field_axis, furrow, on_ground, soil_at
