@@ -50,6 +50,7 @@ def rigid_wheel(radius_m=0.45, width_m=0.30):
             Wheel.LATERAL_RATIO: 0.85,
             Wheel.SHEAR_DAMPING_S: 0.2,
             Wheel.NOMINAL_LOAD_N: 21.7e3,
+            Wheel.INERTIA_KGM2: 95.0,
         },
     )
 

@@ -47,6 +47,7 @@ def wheel():
             Wheel.LATERAL_RATIO: 0.85,
             Wheel.SHEAR_DAMPING_S: 0.2,
             Wheel.NOMINAL_LOAD_N: 21.7e3,
+            Wheel.INERTIA_KGM2: 95.0,
         },
     )
 

@@ -205,6 +205,7 @@ def _wheel(
     return {
         Wheel.BODY: model.body(f"{wheel}_wheel").id,
         Wheel.SPIN: int(model.joint(f"{wheel}_spin").dofadr[0]),
+        Wheel.INERTIA_KGM2: float(model.body(f"{wheel}_wheel").inertia.max()),
         Wheel.ENVELOPE: Envelope.FRONT if axle == "front" else Envelope.REAR,
         Wheel.TYRE: memory.address(model, f"{wheel}_tyre_x"),
         **named,

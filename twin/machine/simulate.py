@@ -13,7 +13,7 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from twin.machine.build import Machine
-from twin.machine.columns import Recorder
+from twin.machine.columns import RECORDED, Recorder
 from twin.machine.driver import FULL_DEPTH, Hands, Observed, Task, ackermann, drive
 from twin.machine.ends import End, Moment, Outcome, Watch, driven_speeds
 from twin.machine.geometry import geometry
@@ -133,7 +133,7 @@ class Cab:
             if name in self.controls:
                 self.ctrl[0, self.controls[name]] = value
         self.tape.keep(self.state)
-        record = self.batch.rollout(self.steps, record=("sensordata", "userdata"))
+        record = self.batch.rollout(self.steps, record=RECORDED)
         self._refuse_failure(record["userdata"])
         return record
 

@@ -122,8 +122,9 @@ class Wheel(IntEnum):
     SHEAR_LAT_NPM = 15
     SHEAR_DAMPING_LONG_SPM = 16  # and their dampers over the load
     SHEAR_DAMPING_LAT_SPM = 17
-    ENVELOPE = 18  # which of the envelopes is that of its radius
-    SIZE = 19
+    INERTIA_KGM2 = 18  # about the axle
+    ENVELOPE = 19  # which of the envelopes is that of its radius
+    SIZE = 20
 
 
 class Envelope(IntEnum):

@@ -14,10 +14,9 @@ from twin.physics.laws import soil_forces
 from twin.physics.shapes import Array, Vector, Vector4
 
 SIGN_SPEED_MPS = 0.03
-"""Speed over which motion resistance changes sign [m/s].
+"""Speed over which motion resistance changes sign [m/s]: 1 % slip at ploughing speed is half of it.
 
-1 % slip at ploughing speed is about half.
-"""
+A moment that would turn a light wheel back within a step changes its sign over more."""
 RADIUS_PER_DEFLECTION = 1.0 / 3.0
 """Loss of rolling radius per deflection; a bias tyre's circumference shortens by a third of it."""
 LIFTED_S = 0.05
@@ -234,7 +233,8 @@ def roll_wheel(
         rates[tyre + i] = changes[i]
     slots[WheelSlot.ELASTIC_J] += sheared_j
     resistance *= smooth_sign(roll, SIGN_SPEED_MPS)
-    moment = rolling * radius * smooth_sign(spin, SIGN_SPEED_MPS)
+    width = 2.0 * dt_s * abs(rolling) * radius * radius / wheel[Wheel.INERTIA_KGM2]
+    moment = rolling * radius * smooth_sign(spin, max(SIGN_SPEED_MPS, width))
     resistance, moment = without_gain(resistance, roll, moment, rate)
     slots[WheelSlot.LOAD_N], slots[WheelSlot.DEFLECTION_M] = load, deflection
     slots[WheelSlot.SHEAR_X_N], slots[WheelSlot.SHEAR_Y_N] = x, y

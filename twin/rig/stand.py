@@ -68,7 +68,11 @@ def stand(
     spec.nuserdata = block.RATE_SLOTS + 16
     spec.add_numeric(name="tractor_twin", size=block.SIZE, data=[0.0] * block.SIZE)
     model = spec.compile()
-    own = {Wheel.DAMPING_NSPM: heave_kg * HEAVE_RADPS, Wheel.NOMINAL_LOAD_N: load_n}
+    own = {
+        Wheel.DAMPING_NSPM: heave_kg * HEAVE_RADPS,
+        Wheel.NOMINAL_LOAD_N: load_n,
+        Wheel.INERTIA_KGM2: inertias["spin"],
+    }
     tyre = {**sizes, **own}
     model.numeric_data[-block.SIZE :] = _block(model, tyre | tread_part(tyre), soil, radial)
     return model
