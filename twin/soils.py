@@ -93,7 +93,7 @@ FIELDS: dict[str, Preset] = {
     ),
     "soft": Preset(
         about="soft or sandy field, CI 450 kPa (D497 soft)", cone_index_kpa=450.0, draft_scale=0.45,
-        deformable=_sinking(0.0, 915.0, 0.80, 4.0, 37.5, 0.052),
+        deformable=_sinking(0.0, 880.0, 0.80, 16.0, 29.1, 0.052),
     ),
     "asphalt": Preset(
         about="asphalt, beyond Brixius' range: k, c0, m assumed",
@@ -121,9 +121,10 @@ FIELDS: dict[str, Preset] = {
 }  # fmt: skip
 """Cone indices of the fields: ASABE D497's classes. The roads and grass are extrapolations. The
 fields' numbers for Bekker's law are fitted, so that an 18.4-38 tyre under 16 to 26 kN has Brixius'
-net and gross traction at 3 to 30 % slip (rms 2.2, 2.7 and 4.6 % of the load) and no more than his
+net and gross traction at 3 to 30 % slip (rms 2.2, 2.7 and 3.5 % of the load) and no more than his
 gross traction at full slip, which is what the soil bears. n and c are chosen, c as loams have it in
-Wong's table (median 3.5 kPa): no soil was measured."""
+Wong's table (median 3.5 kPa); soft soil needs more of it, for its traction falls as load grows: no
+soil was measured."""
 
 MEASURED: dict[str, tuple[str, Deformable]] = {
     "sandy-loam-11": (

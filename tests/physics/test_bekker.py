@@ -217,7 +217,9 @@ def test_bulldozing_is_rankines_pressure_on_the_sunk_side():
 def test_a_slipping_wheel_sinks_as_much_deeper_as_lyasko_says(tyre, slip, side):
     """z = z_0 (1 + S s), s the size of the slip, where shear carries nothing."""
     ground = sinking(0.0, 1000.0, 0.9, 0.0, 0.0, 0.02, slip_sinkage=0.8, peak_slip=0.0)
-    still, slipping = (bekker(ground, tyre, 2e3, s, s_y)[4] for s, s_y in ((0.0, 0.0), (slip, side)))
+    still, slipping = (
+        bekker(ground, tyre, 2e3, s, s_y)[4] for s, s_y in ((0.0, 0.0), (slip, side))
+    )
     assert slipping / still == pytest.approx(1.0 + 0.8 * math.hypot(slip, side), rel=0.02)
 
 
