@@ -13,9 +13,10 @@ from twin.validate.check import Check, near
 SEEDS = 8
 SET, FREE = ((9, "dry"), (18, "dry"), (9, "wet")), (18, "wet")
 LOOKED = (
-    "looked at after the change of the side force under Bekker's law: 9 and 18 dry and 9 wet first, "
-    ".330, .442 and .269 m, within what is allowed, so nothing was set anew; then 18 wet, once, .365 "
-    "m, and nothing was set after it. Both soils act by Brixius' law, which the change left alone"
+    "looked at after the change of the side force under Bekker's law: 9 and 18 dry and 9 wet "
+    "first, .330, .442 and .269 m, within what is allowed, so nothing was set anew; then 18 wet, "
+    "once, .365 m, and nothing was set after it. Both soils act by Brixius' law, which the change "
+    "left alone"
 )
 
 

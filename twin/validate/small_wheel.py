@@ -60,8 +60,8 @@ SIDEWAYS = {
          _measured(1.3, 21.52, 11.13, 25.2, 21.48, 12.69, 28.3),
          _measured(2.0, 21.91, 8.21, 26.1, 21.55, 9.81, 30.2)),
 }  # fmt: skip
-"""Slip angle [deg] -> tests: rim over path speed, then load [N], side force [N], sinkage [mm] of the
-smooth wheel and of that with grousers."""
+"""Slip angle [deg] -> tests: rim over path speed, then load [N], side force [N] and sinkage [mm] of
+the smooth wheel and of that with grousers."""
 AHEAD = (
     _measured(1.0, 24.58, -1.34, 14.4, 23.83, -1.32, 15.6),
     _measured(1.3, 24.62, 0.70, 17.9, 24.76, 2.09, 19.6),
@@ -80,12 +80,13 @@ MOST_PULL = (
 DEEPER = "S is Lyasko's 1 and was not fitted; smooth and grousers differ by a tenth to a quarter"
 SET = "k_phi is set by it"
 NOTE = (
-    "tried by hand with k_phi as printed, 1528, at a rim of 2: .47, .53 and .56 at 15, 30 and 45 deg "
-    "as the law had been, its bulldozing called up by the travel aside over the rim's travel, without "
-    "slip sinkage; .54, .58 and .60 with it over the travel ahead, because a wheel pushes the soil "
-    "beside it by its path; .71, .69 and .68 with slip sinkage as well. k_phi was then set by the "
-    "sinkage at no slip. Other published sands, k_phi set likewise, keep .65 (LETE), .66 (Ishigami's) "
-    "and .71 (Iagnemma's, K 25 mm) at 15 deg; this sand without its cohesion keeps .48, which fails"
+    "tried by hand with k_phi as printed, 1528, at a rim of 2 x and 15, 30 and 45 deg: .47, .53 "
+    "and .56 as the law had been, without slip sinkage and with its bulldozing called up by the "
+    "travel aside over the rim's travel; .54, .58 and .60 with it over the travel ahead, because "
+    "a wheel pushes the soil beside it by its path; .71, .69 and .68 with slip sinkage as well. "
+    "k_phi was then set by the sinkage at no slip. Other published sands, k_phi set likewise, "
+    "keep .65 (LETE), .66 (Ishigami's) and .71 (Iagnemma's, K 25 mm) at 15 deg; this sand without "
+    "its cohesion keeps .48, which fails"
 )
 
 
