@@ -78,7 +78,7 @@ def test_the_reference_of_friction_is_the_presets_own():
 
 def test_a_soil_that_friction_makes_too_cohesive_is_refused_by_name():
     with pytest.raises(OutOfRange, match=r"times 1\.7 by soil\.friction"):
-        Soil(preset="soft", law="bekker", friction=1.5)
+        Soil(preset="soft", law="bekker", friction=1.5, cohesion_kpa=30.0)
 
 
 def test_every_rule_is_of_a_field_there_is_and_is_broken_by_something():

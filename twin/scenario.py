@@ -42,6 +42,7 @@ DEFORMABLE_RANGES = {
     "unit_weight_knpm3": (0.0, 25.0),
     "stress_peak": (0.0, 0.8),
     "stress_peak_slip": (0.0, 0.5),
+    "slip_sinkage": (0.0, 5.0),
 }
 """Ranges of what Bekker's law needs, somewhat wider than Wong's tables."""
 LEAST_BORNE_KPA = 20.0
@@ -107,6 +108,8 @@ class Soil:
     """c_1 in theta_m = (c_1 + c_2 |s|) theta_1, the place of the greatest normal stress [-]."""
     stress_peak_slip: float | None = None
     """c_2 in it [-]; with both 0 the stress is Bekker's, greatest under the hub."""
+    slip_sinkage: float | None = None
+    """S in Bekker's law: slip s sinks a wheel 1 + S s times as deep [-]; 1 after Lyasko 2010."""
     numbers: Preset | None = None
     """The preset's own numbers as a run has kept them in its scenario.json; None looks them up."""
 

@@ -137,6 +137,7 @@ def _deformable_part(law: str, soil: Deformable | None, friction_scale: float) -
         Soil.UNIT_WEIGHT_NPM3: 1e3 * soil.unit_weight_knpm3,
         Soil.PEAK: soil.stress_peak,
         Soil.PEAK_SLIP: soil.stress_peak_slip,
+        Soil.SLIP_SINKAGE: soil.slip_sinkage,
     }
 
 

@@ -12,7 +12,7 @@ from enum import IntEnum
 
 MAGIC = 7.714e38
 """First number of the block; a model without it is left alone, bit for bit."""
-VERSION = 3.0
+VERSION = 4.0
 WHEELS = ("fl", "fr", "rl", "rr")
 
 
@@ -68,7 +68,7 @@ class Field(IntEnum):
     HEIGHTS = 25 + 4 * 4  # a Grid: height above the plane [m]
     MIXTURE = HEIGHTS + 9  # a Grid: share of the other soil [-]
     OTHER = MIXTURE + 9  # that soil, as Soil numbers its own
-    ENVELOPES = OTHER + 23  # first node of the heights as wheels feel them, laid as HEIGHTS
+    ENVELOPES = OTHER + 24  # first node of the heights as wheels feel them, laid as HEIGHTS
     SIZE = ENVELOPES + 1
 
 
@@ -98,7 +98,8 @@ class Soil(IntEnum):
     UNIT_WEIGHT_NPM3 = 20
     PEAK = 21  # place of the greatest normal stress over the entry angle, and its growth with slip
     PEAK_SLIP = 22
-    SIZE = 23
+    SLIP_SINKAGE = 23
+    SIZE = 24
 
 
 class Wheel(IntEnum):
