@@ -165,7 +165,10 @@ def test_the_ground_is_where_its_map_and_its_slope_are() -> None:
     heights = GridMap(nodes, 1.0, -1.0, -1.0, repeats=False)
     ground = Ground(world_from_ground=turn, maps={"heights": heights})
     points = ground.surface_w(np.array([0.0, 0.0]), np.array([0.0, 1.0]))
-    np.testing.assert_allclose(points, [0.5 * turn[:, 2], turn[:, 1]], atol=1e-12)
+    # at the node 3/4 of each way of its own height, at the next one 1/8 of the one and 3/4
+    at_node, beside = 0.75 * 0.75 * 0.5, 0.75 * 0.125 * 0.5
+    expected = [at_node * turn[:, 2], turn[:, 1] + beside * turn[:, 2]]
+    np.testing.assert_allclose(points, expected, atol=1e-12)
 
 
 def test_each_pass_leaves_its_furrow_for_the_next() -> None:

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 RAISED_RAD = 0.6
 """Lower-link angle with the plough carried."""
-SETTLE_S = 4.0
+SETTLE_S = 8.0
 """Time in which the machine settles on its tyres before a run."""
 LOOK_S = 0.02
 """Time between two looks whether it is still finite."""
