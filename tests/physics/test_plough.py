@@ -161,7 +161,7 @@ def test_neighbouring_soil_never_pushes_the_plough():
 
 
 def rock_force(ground, field, s_m, share):
-    return np.array([rock_n(field, ground, s, 0.0, share) for s in s_m])
+    return np.array([rock_n(field, ground, s, 0.0, share, 0.35) for s in s_m])
 
 
 def pulses(force):
