@@ -301,7 +301,8 @@ class Plough:
 class Drive:
     """How the tractor is driven: one gear, one throttle setting, held through the run.
 
-    The driver brakes where the ground drives the engine above that setting."""
+    The driver brakes where the ground drives the engine above that setting.
+    """
 
     gear_ratio: float = 66.0
     """Engine turns per turn of the rear axle [-]."""

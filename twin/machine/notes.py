@@ -37,7 +37,7 @@ def notes(machine: Machine) -> tuple[str, ...]:
 
 
 def unheld(asked_mps: float, truth: Table) -> tuple[str, ...]:
-    """When the machine runs far faster than the governor asks, as on a slope its brakes do not hold.
+    """When the machine runs far faster than the governor asks, as where braked wheels skid.
 
     v > 1.5 w_0 r / i for a second on end; the time of all such stretches is summed.
 

@@ -246,7 +246,9 @@ def _plough(model: Any, numbers: dict[str, float], setting: Setting) -> dict[Any
 def _bodies(model: Any, bodies: float) -> int:
     """How many bodies a plough has; refused where the block or the model has no place for them."""
     if bodies != int(bodies) or not 1 <= bodies <= block.MOST_SHARES:
-        raise OutOfRange("plough.bodies", f"{bodies:g}", f"the whole numbers 1 to {block.MOST_SHARES}")
+        raise OutOfRange(
+            "plough.bodies", f"{bodies:g}", f"the whole numbers 1 to {block.MOST_SHARES}"
+        )
     sites = sum(model.site(i).name.startswith("plough.share_") for i in range(model.nsite))
     if sites != bodies:
         raise BadInput(

@@ -132,9 +132,7 @@ class Cab:
         self.hands = drive(self.task, self.hands, self.observe(), DECISION_S)
         if not self.machine.scenario.course.hold_line:
             self.hands = replace(self.hands, steer_rad=0.0)
-        self.foot = press(
-            self.brakes, self.foot, self.engine_radps, self.asked_radps, DECISION_S
-        )
+        self.foot = press(self.brakes, self.foot, self.engine_radps, self.asked_radps, DECISION_S)
         left, right = ackermann(self.hands.steer_rad, self.task.wheelbase_m, self.track_m)
         levers = self.machine.scenario.drive
         values = (

@@ -53,9 +53,7 @@ def draft_factor(field: Array, soil: Array, s_m: float, t_m: float, depth_m: flo
 
 
 @law
-def rock_n(
-    field: Array, soil: Array, s_m: float, t_m: float, share: int, width_m: float
-) -> float:
+def rock_n(field: Array, soil: Array, s_m: float, t_m: float, share: int, width_m: float) -> float:
     """Extra draft of a rock in a share's way: F sin(pi x / l)**2 while it passes.
 
     Rocks lie in cells of the share's lane, in each with the probability of its area: its length

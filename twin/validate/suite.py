@@ -8,7 +8,16 @@ from typing import Any
 from joblib import delayed
 
 from twin.many import many
-from twin.validate import analytic, field, handling, instruments, numerical, terrain, traction
+from twin.validate import (
+    analytic,
+    downhill,
+    field,
+    handling,
+    instruments,
+    numerical,
+    terrain,
+    traction,
+)
 from twin.validate.check import Check
 
 LAYERS = {
@@ -27,6 +36,7 @@ TASKS: tuple[tuple[str, Callable[[], list[Check]]], ...] = (
     ("analytic", analytic.drawbar_pull),
     ("analytic", analytic.crab_angle),
     ("analytic", analytic.parking),
+    ("analytic", downhill.downhill),
     ("analytic", handling.yaw_response),
     ("table", traction.brixius_table),
     ("table", traction.top_efficiency),
