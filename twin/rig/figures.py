@@ -122,11 +122,11 @@ def gears(found: Gears, title: str, path: Path) -> None:
         figure = Figure(figsize=(9.6, 3.4), layout="constrained")
         left, right = figure.subplots(1, 2)
         figure.suptitle(title, x=0.01, ha="left", fontsize=10.5)
-        palette = colours(("power", "crank power", "pull", "slip", "fuel"))
+        palette = colours(("drawbar power", "crank power", "pull", "slip", "fuel"))
         speed_kmh = 3.6 * found.speed_mps
         for name, values in (
             ("crank power", found.crank_power_w),
-            ("power", found.drawbar_power_w),
+            ("drawbar power", found.drawbar_power_w),
         ):
             left.plot(speed_kmh, values / 1e3, "o-", color=palette[name], label=f"{name} [kW]")
         left.set(title="greatest steady power", xlabel="speed [km/h]", ylim=(0.0, None))
