@@ -304,7 +304,10 @@ class Plough:
 
 @dataclass(frozen=True, kw_only=True)
 class Drive:
-    """How the tractor is driven: one gear, one throttle setting, held through the run."""
+    """How the tractor is driven: one gear, one throttle setting, held through the run.
+
+    The driver brakes where the ground drives the engine above that setting.
+    """
 
     gear_ratio: float = 66.0
     """Engine turns per turn of the rear axle [-]."""
@@ -314,6 +317,8 @@ class Drive:
     """Engage the front axle."""
     differential_lock: bool = True
     """Turn both rear wheels together."""
+    exhaust_brake: bool = False
+    """Close the exhaust brake of a diesel while the wheels drive it; an option of the machine."""
 
     def __post_init__(self) -> None:
         check_range("drive.gear_ratio", self.gear_ratio, 15.0, 300.0)

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.errors import BadInput
+from twin.errors import BadInput, OutOfRange
 from twin.machine import memory
 from twin.machine.tread import tread_part
 from twin.physics import block
@@ -218,6 +218,7 @@ def _engine(scenario: Scenario, model: Any, numbers: dict[str, float]) -> dict[A
     own = tuple(f for f in Engine if f < Engine.GEAR_RATIO)
     return {
         **_named(numbers, "engine", own),
+        **({} if scenario.drive.exhaust_brake else {Engine.EXHAUST_BRAKE_PA: 0.0}),
         Engine.GEAR_RATIO: scenario.drive.gear_ratio,
         Engine.FRONT_RATIO: _number(numbers, "front_drive.ratio"),
         Engine.SHAFT: int(model.joint("drive").dofadr[0]),
@@ -245,6 +246,7 @@ def _plough(model: Any, numbers: dict[str, float], setting: Setting) -> dict[Any
     laws = tuple(f for f in Plough if f < Plough.WHEEL_RADIUS_M)
     wheel = tuple(f for f in Plough if Plough.WHEEL_RADIUS_M <= f < Plough.SOIL_STIFFNESS_NPM)
     out = _named(numbers, "plough", (*laws, Plough.SOIL_STIFFNESS_NPM))
+    bodies = _bodies(model, out[Plough.BODIES])
     out[Plough.SOIL] = memory.address(model, "soil_1_x")
     for f in wheel:
         out[f] = _number(numbers, "plough." + f.name.lower().replace("wheel_", "depth_wheel."))
@@ -253,7 +255,22 @@ def _plough(model: Any, numbers: dict[str, float], setting: Setting) -> dict[Any
         0.0 if side == 0 else numbers["furrow.edge_m"] - furrow_edge_m(numbers, setting.depth_m)
     )
     mirror = -1.0 if side < 0 else 1.0  # drawn for a furrow on the left
-    for i in range(int(out[Plough.BODIES])):
+    for i in range(bodies):
         x, y, z = model.site(f"plough.share_{i + 1}").pos
         out |= {Plough.SHARES + 3 * i + k: v for k, v in enumerate((x, mirror * (y - shift_m), z))}
     return out
+
+
+def _bodies(model: Any, bodies: float) -> int:
+    """How many bodies a plough has; refused where the block or the model has no place for them."""
+    if bodies != int(bodies) or not 1 <= bodies <= block.MOST_SHARES:
+        raise OutOfRange(
+            "plough.bodies", f"{bodies:g}", f"the whole numbers 1 to {block.MOST_SHARES}"
+        )
+    sites = sum(model.site(i).name.startswith("plough.share_") for i in range(model.nsite))
+    if sites != bodies:
+        raise BadInput(
+            f"plough.bodies = {bodies:g}, but the model has {sites} sites plough.share_1, "
+            "plough.share_2, ...: one for each body would do"
+        )
+    return int(bodies)

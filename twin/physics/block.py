@@ -12,7 +12,7 @@ from enum import IntEnum
 
 MAGIC = 7.714e38
 """First number of the block; a model without it is left alone, bit for bit."""
-VERSION = 4.0
+VERSION = 5.0
 WHEELS = ("fl", "fr", "rl", "rr")
 
 
@@ -150,12 +150,16 @@ class Engine(IntEnum):
     PARASITIC_NM = 7
     TRANSMISSION_EFFICIENCY = 8
     KIND = 9  # 0 diesel, 1 electric
-    POWER_W = 10  # of an electric motor
-    GEAR_RATIO = 11
-    FRONT_RATIO = 12  # turns of the front axle per turn of the rear
-    SHAFT = 13  # address of the drive shaft's velocity, at the rear axle's speed; -1 without one
-    THROTTLE = 14  # address of the control
-    SIZE = 15
+    MAX_POWER_W = 10  # at the crank, at any speed
+    DISPLACEMENT_M3 = 11  # of a diesel, as the stroke
+    STROKE_M = 12
+    EXHAUST_BRAKE_PA = 13  # mean effective pressure of a closed exhaust brake; 0 without one
+    REGENERATION_W = 14  # most that an electric motor takes back; 0 for a diesel
+    GEAR_RATIO = 15
+    FRONT_RATIO = 16  # turns of the front axle per turn of the rear
+    SHAFT = 17  # address of the drive shaft's velocity, at the rear axle's speed; -1 without one
+    THROTTLE = 18  # address of the control
+    SIZE = 19
 
 
 class Coupling(IntEnum):

@@ -303,7 +303,7 @@ def pull_plough(
         scale = draft_scale(field, soil, nodes, s, t)
         draft = draft_n(plough, scale, -above, math.sqrt(rigid.dot(velocity, velocity)))
         draft *= draft_factor(field, soil, s, t, -above)
-        draft = max(0.0, draft - relief) + rock_n(field, soil, s, t, i)
+        draft = max(0.0, draft - relief) + rock_n(field, soil, s, t, i, plough[Plough.BODY_WIDTH_M])
         before = soil_before(
             plough[Plough.SOIL_STIFFNESS_NPM], draft, (act[pressed], act[pressed + 1]),
             (moving[0], moving[1]), dt_s,

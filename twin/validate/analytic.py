@@ -140,7 +140,7 @@ def drawbar_pull() -> list[Check]:
         near(
             f"drawbar, slip {100 * s:.0f} %", "pull", 1e-3 * ours, "kN", 1e-3 * closed,
             relative=0.02, grade="derived", source="wheel rig and axle loads in closed form",
-            why="two paths through the code to one number; inertia in the ramp is 0.3 %",
+            why="two paths through the code to one number; every load is held for 5 s",
         )
         for s, ours, closed in zip(slips, pulls, wanted, strict=True)
     ]  # fmt: skip

@@ -10,6 +10,7 @@ from joblib import delayed
 from twin.many import many
 from twin.validate import (
     analytic,
+    downhill,
     field,
     handling,
     instruments,
@@ -38,6 +39,7 @@ TASKS: tuple[tuple[str, Callable[[], list[Check]]], ...] = (
     ("analytic", analytic.drawbar_pull),
     ("analytic", analytic.crab_angle),
     ("analytic", analytic.parking),
+    ("analytic", downhill.downhill),
     ("analytic", handling.yaw_response),
     ("analytic", roll.roll_mode),
     ("table", traction.brixius_table),
