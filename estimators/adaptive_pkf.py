@@ -14,7 +14,6 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.compiled import compiled
 from estimators.estimate import State, advance, begin, write_axle
 from estimators.fusion import fuse
 from estimators.kalman import Record, predict, update
@@ -48,6 +47,7 @@ from estimators.steps import (
     first_step,
     gather,
 )
+from twin.compiled import compiled
 from twin.streams import Setup, Streams, Table
 
 Array = NDArray[np.float64]

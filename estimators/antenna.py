@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.compiled import compiled
 from estimators.inertial import turning_at
 from estimators.kalman import Record
 from estimators.layout import GRAVITY_MPS2, REPEATED, STALE_S
+from twin.compiled import compiled
 
 GRADE_S = 2.0
 """Time over which the climb is averaged [s]."""

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import signals
-from estimators.compiled import compiled
 from estimators.kalman import Record, slip_and_sd
 from estimators.wheel_speed import driven_mean, mean_variance
+from twin.compiled import compiled
 from twin.streams import ESTIMATES, Setup, Streams, Table
 
 ROW = np.dtype(

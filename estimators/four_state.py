@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from estimators.compiled import compiled
 from estimators.estimate import State, advance, begin, write
 from estimators.kalman import Array, Record, predict, update
 from estimators.layout import (
@@ -20,6 +19,7 @@ from estimators.layout import (
     STALE_S,
     WHEELS,
 )
+from twin.compiled import compiled
 from twin.streams import Setup, Streams, Table
 
 START_ACCEL_SD_MPS2 = 1.0

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from estimators.compiled import compiled
 from estimators.kalman import Array
+from twin.compiled import compiled
 
 
 @compiled

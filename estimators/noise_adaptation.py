@@ -17,11 +17,11 @@ from math import exp, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.compiled import compiled
 from estimators.optimisers import mayfly, pso
 from estimators.optimisers.chance import State
 from estimators.optimisers.improved_mayfly import good_point_set
 from estimators.optimisers.population import random_points
+from twin.compiled import compiled
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from estimators.compiled import compiled
 from estimators.estimate import State, advance, begin, write_axle
 from estimators.fusion import fuse
 from estimators.kalman import Record, predict, update
@@ -27,6 +26,7 @@ from estimators.layout import (
     WHEELS,
 )
 from estimators.wheel_speed import driven_mean, mean_variance, towed_mean
+from twin.compiled import compiled
 from twin.streams import Setup, Streams, Table
 
 WHEEL = 2

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import antenna, inertial, wheel_speed
-from estimators.compiled import compiled
 from estimators.kalman import Record
 from estimators.layout import (
     CAMERA,
@@ -34,6 +33,7 @@ from estimators.layout import (
     blank,
     nominal,
 )
+from twin.compiled import compiled
 from twin.streams import COLUMNS, Setup, Streams
 
 Records = NDArray[Any]

@@ -11,7 +11,6 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.compiled import compiled
 from estimators.estimate import State, advance, begin, write_axle
 from estimators.kalman import Record, predict, update
 from estimators.steps import (
@@ -24,6 +23,7 @@ from estimators.steps import (
     first_step,
     gather,
 )
+from twin.compiled import compiled
 from twin.streams import Setup, Streams, Table
 
 Array = NDArray[np.float64]

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.compiled import compiled
 from estimators.kalman import Record
 from estimators.layout import GNSS, IMU, NO_GROUND_SPEED, OUT_OF_ORDER, STALE_S, WHEELS
 from estimators.wheel_speed import driven_mean, mean_variance, towed_mean
+from twin.compiled import compiled
 
 FRONT_SPEED, GNSS_SPEED, BODY_ACCEL, REAR_SPEED, REAR_ACCEL = range(5)
 MEASURED = 5

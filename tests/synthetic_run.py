@@ -82,6 +82,7 @@ SETUP = Setup(
 
 MJCF = """
 <mujoco>
+  <custom><numeric name="plough.body_width_m" data="0.45"/></custom>
   <default>
     <default class="visual"><geom group="2" contype="0" conaffinity="0"/></default>
     <default class="wheel"><geom group="2" type="cylinder" euler="90 0 0" rgba="0 0 0 1"/></default>
@@ -110,6 +111,8 @@ MJCF = """
         <joint name="lift" axis="0 1 0"/>
         <geom class="visual" type="box" size="1.5 0.06 0.06" pos="-1.5 0 0" rgba=".1 .3 .6 1"/>
         <geom class="visual" type="sphere" size="0.15" pos="-2 0 -0.3" rgba=".1 .3 .6 1"/>
+        <site name="plough.share_1" pos="-1 0.225 -0.8"/>
+        <site name="plough.share_2" pos="-1.9 -0.225 -0.8"/>
       </body>
     </body>
   </worldbody>

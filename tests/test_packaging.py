@@ -74,6 +74,12 @@ def test_as_a_module_it_is_the_same_command() -> None:
     assert done.stderr.startswith("twin: no command is called 'rum'")
 
 
+def test_the_long_line_names_its_pieces_when_asked_for_another() -> None:
+    done = subprocess.run(["bash", ROOT / ".ci" / "long", "nought"], capture_output=True, text=True)
+    assert done.returncode == 2
+    assert done.stderr.startswith("no piece is called 'nought'; there are: tests wheel validate")
+
+
 BREACHES = {
     "estimators/kalman.py": ("twin.truth", "estimators.kalman -> twin.truth"),
     "estimators/lag.py": ("twin.errors", "estimators.lag -> twin.errors"),
@@ -88,6 +94,7 @@ BREACHES = {
     "twin/scores.py": ("twin.report.page", "twin.scores -> twin.report.page"),
     "twin/logs/cells.py": ("twin.logcheck", "twin.logs.cells -> twin.logcheck"),
     "twin/streams.py": ("twin.plain", "twin.streams -> twin.plain"),
+    "twin/compiled.py": ("twin.errors", "twin.compiled -> twin.errors"),
     "twin/stray.py": ("os", "- twin.stray"),
 }
 """File -> (what it is made to import, how the broken contract names it). A stray module of no layer

@@ -16,7 +16,7 @@ from twin.physics.law_reads import SLOTS, fields_read
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import wheel
 from twin.run import run
-from twin.scenario import Field, Patch, Plough, Scenario, Soil
+from twin.scenario import Drive, Field, Patch, Plough, Scenario, Soil
 from twin.sensors import Fault, Gnss, Outage, Sensors, ideal
 from twin.soils import LAWS, PRESETS
 from twin.study import left_out, plan
@@ -78,7 +78,7 @@ def test_the_reference_of_friction_is_the_presets_own():
 
 def test_a_soil_that_friction_makes_too_cohesive_is_refused_by_name():
     with pytest.raises(OutOfRange, match=r"times 1\.7 by soil\.friction"):
-        Soil(preset="soft", law="bekker", friction=1.5)
+        Soil(preset="soft", law="bekker", friction=1.5, cohesion_kpa=30.0)
 
 
 def test_every_rule_is_of_a_field_there_is_and_is_broken_by_something():
@@ -87,6 +87,7 @@ def test_every_rule_is_of_a_field_there_is_and_is_broken_by_something():
     }
     fields |= {f"field.{f.name}" for f in dataclasses.fields(Field)}
     fields |= {f"plough.{f.name}" for f in dataclasses.fields(Plough)}
+    fields |= {f"drive.{f.name}" for f in dataclasses.fields(Drive)}
     for name, config in Sensors().fitted().items():
         fields |= {f"sensors.{name}.{f.name}" for f in dataclasses.fields(config)}
     camera = {"sensors.camera.processing_s"}
@@ -103,6 +104,9 @@ BARE = Scenario(name="bare")
 IN_VAIN = {
     "soil.cone_index_kpa": replace(BARE, soil=Soil(law="bekker", cone_index_kpa=800.0)),
     "soil.cohesion_kpa": replace(BARE, soil=Soil(cohesion_kpa=20.0)),
+    "drive.exhaust_brake": replace(
+        BARE, machine="electric_tractor", drive=Drive(exhaust_brake=True), soil=Soil(preset="dry")
+    ),
     "soil.rocks_per_100m2": replace(ROCK, plough=None),
     "soil.rock_kn": replace(CM_25, soil=Soil(rock_kn=20.0)),
     "soil.draft_cv": replace(BARE, soil=Soil(draft_cv=0.2)),

@@ -19,12 +19,14 @@ from twin.streams import Streams
 from twin.terrain.grid import GridMap
 from twin.viz import Ground, paths
 from twin.viz.blueprint import kind
+from twin.viz.bodies import Bodies, bodies
 from twin.viz.events import drive_events, events
 from twin.viz.ground import cuts, slices
 from twin.viz.shapes import Shapes, body_poses
 
 MODEL = mujoco.MjModel.from_xml_string(MJCF)
 RUN = synthetic_run(duration_s=8.0)
+FOUR = Bodies(ahead_m=(-1.7, -2.55, -3.4, -4.25), width_m=0.35)
 
 
 def rerun(*args: str) -> str:
@@ -165,7 +167,10 @@ def test_the_ground_is_where_its_map_and_its_slope_are() -> None:
     heights = GridMap(nodes, 1.0, -1.0, -1.0, repeats=False)
     ground = Ground(world_from_ground=turn, maps={"heights": heights})
     points = ground.surface_w(np.array([0.0, 0.0]), np.array([0.0, 1.0]))
-    np.testing.assert_allclose(points, [0.5 * turn[:, 2], turn[:, 1]], atol=1e-12)
+    # at the node 3/4 of each way of its own height, at the next one 1/8 of the one and 3/4
+    at_node, beside = 0.75 * 0.75 * 0.5, 0.75 * 0.125 * 0.5
+    expected = [at_node * turn[:, 2], turn[:, 1] + beside * turn[:, 2]]
+    np.testing.assert_allclose(points, expected, atol=1e-12)
 
 
 def test_each_pass_leaves_its_furrow_for_the_next() -> None:
@@ -178,7 +183,7 @@ def test_each_pass_leaves_its_furrow_for_the_next() -> None:
     both = {name: np.concatenate([there[name], back[name]]) for name in there}
     plough = SimpleNamespace(furrow="right", depth_m=0.25)
     ploughed = SimpleNamespace(plough=plough, course=SimpleNamespace(approach_m=5.0))
-    side, found = cuts(both, ploughed, Ground())
+    side, found = cuts(both, ploughed, Ground(bodies=FOUR))
     assert side == -1
     assert np.diff([cut.wall_m for cut in found]) == pytest.approx([1.4])
     assert found[0].from_ns == both["epoch_ns"][0]
@@ -188,9 +193,26 @@ def test_each_pass_leaves_its_furrow_for_the_next() -> None:
 
 def test_slices_are_turned_towards_the_furrow_and_only_where_it_ploughs() -> None:
     truth = truth_table(duration_s=20.0)
-    rows, centre, _, _ = slices(truth, RUN.scenario, Ground())
+    rows, centre, _, _ = slices(truth, RUN.scenario, Ground(), FOUR)
     assert np.all(truth["depth_m"][rows] > 0.05)
     assert np.all(truth["epoch_ns"][rows] > 5e9)
     aside = centre[:, :, 1] - truth["north_m"][rows][:, None]
     assert np.all(aside[:, 0] < -0.7)  # beside the furrow, which is on the right
     np.testing.assert_allclose(np.diff(aside, axis=1), 0.35)
+
+
+@pytest.mark.parametrize(("count", "width_m"), [(1, 0.5), (3, 0.4), (5, 0.33)])
+def test_slices_are_as_many_and_as_wide_as_the_bodies(count: int, width_m: float) -> None:
+    truth = truth_table(duration_s=20.0)
+    own = Bodies(ahead_m=tuple(-1.0 - 0.9 * i for i in range(count)), width_m=width_m)
+    _, centre, half_m, _ = slices(truth, RUN.scenario, Ground(), own)
+    aside = centre[:, :, 1] - truth["north_m"][truth["depth_m"] > 0.05][:, None]
+    assert centre.shape[1] == half_m.shape[1] == count
+    np.testing.assert_allclose(aside.mean(axis=1), -width_m, atol=1e-9)  # turned by one width
+    np.testing.assert_allclose(np.diff(aside, axis=1), width_m)
+
+
+def test_the_bodies_are_those_of_the_model() -> None:
+    drawn = bodies(MODEL)
+    assert drawn == Bodies(ahead_m=(-2.0, -2.9), width_m=0.45)
+    assert bodies(mujoco.MjModel.from_xml_string("<mujoco/>")) is None

@@ -1,14 +1,21 @@
-"""What is shipped: the wheel, made from the source distribution, alone in a clean environment."""
+"""What is shipped: the wheel, made from the source distribution, in an environment of its own.
+
+What it depends on is lent by the environment of the tests, and its list of that is compared with
+what it imports. With TWIN_WHEEL_ALONE=1 pip installs it all anew, as `.ci/long wheel` does.
+"""
 
 from __future__ import annotations
 
+import ast
 import os
+import re
 import subprocess
 import sys
+import sysconfig
 import tarfile
 import tempfile
-import time
 from collections.abc import Iterator
+from importlib.metadata import packages_distributions
 from pathlib import Path, PurePosixPath
 from zipfile import ZipFile
 
@@ -20,6 +27,13 @@ ROOT = Path(__file__).parents[1]
 PACKAGES = ("twin", "scenarios", "estimators")
 HEAVY = ("mujoco", "numba", "scipy", "pyarrow", "matplotlib", "rerun", "gymnasium", "cv2", "pandas")
 LARGEST_BYTES = 20_000_000
+ALONE = os.environ.get("TWIN_WHEEL_ALONE") == "1"
+BROUGHT = {
+    "glfw": "mujoco",
+    "llvmlite": "numba",
+    "stable_baselines3": "an extra, and only imported where it is asked for",
+}
+"""What the wheel imports and does not name -> what brings it."""
 
 
 @pytest.fixture(scope="module")
@@ -46,10 +60,17 @@ def wheel(built: Path) -> Path:
 @pytest.fixture(scope="module")
 def installed(folder: Path, wheel: Path) -> Path:
     """`bin` of an environment that holds the wheel and what the wheel asks for."""
-    quietly([sys.executable, "-m", "venv", str(folder / "venv")], cwd=folder)
-    scripts = folder / "venv" / "bin"
-    quietly([str(scripts / "pip"), "install", "--quiet", str(wheel)], cwd=folder)
-    return scripts
+    venv = folder / "venv"
+    if ALONE:
+        quietly([sys.executable, "-m", "venv", str(venv)], cwd=folder)
+        quietly([str(venv / "bin" / "pip"), "install", "--quiet", str(wheel)], cwd=folder)
+        return venv / "bin"
+    quietly([sys.executable, "-m", "venv", "--without-pip", str(venv)], cwd=folder)
+    pip = [sys.executable, "-m", "pip", "--python", str(venv / "bin" / "python")]
+    quietly([*pip, "install", "--quiet", "--no-deps", str(wheel)], cwd=folder)
+    (site,) = venv.glob("lib/python*/site-packages")
+    (site / "lent.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    return venv / "bin"
 
 
 def quietly(command: list[str], *, cwd: Path) -> None:
@@ -60,8 +81,10 @@ def quietly(command: list[str], *, cwd: Path) -> None:
 
 
 def alone(folder: Path, *command: str, **env: str) -> subprocess.CompletedProcess[str]:
-    """Run in `/` with nothing of this checkout, or of the user, in sight."""
+    """Run in `/` with nothing of this checkout, or of the user, in sight but machine code kept."""
     clean = {"PATH": "/usr/bin:/bin", "HOME": str(folder), "LANG": "C.UTF-8", **env}
+    if not ALONE:
+        clean["XDG_CACHE_HOME"] = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
     return subprocess.run(command, cwd="/", env=clean, capture_output=True, text=True, timeout=300)
 
 
@@ -110,6 +133,31 @@ def test_the_source_distribution_can_be_tested(built: Path) -> None:
     assert {PurePosixPath(n) for n in (*needed, "examples/t7165s.toml")} <= inside
 
 
+def test_it_asks_for_what_it_imports(wheel: Path) -> None:
+    with ZipFile(wheel) as archive:
+        (metadata,) = (n for n in archive.namelist() if n.endswith(".dist-info/METADATA"))
+        asked = re.findall(
+            r"^Requires-Dist: ([\w.-]+)(?!.*extra)", archive.read(metadata).decode(), re.M
+        )
+        texts = [archive.read(n).decode() for n in archive.namelist() if n.endswith(".py")]
+    imported = {name for text in texts for name in top_level(text)}
+    brought_by = packages_distributions()
+    foreign = imported - {*sys.stdlib_module_names, *PACKAGES, *BROUGHT}
+    assert {name for name in foreign if not {*brought_by.get(name, ())} & {*asked}} == set()
+    assert foreign > {"mujoco", "numpy"}
+
+
+def top_level(text: str) -> set[str]:
+    """The packages that a source imports anywhere."""
+    names = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            names |= {name.name for name in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            names.add(str(node.module))
+    return {name.partition(".")[0] for name in names}
+
+
 @pytest.mark.parametrize("package", PACKAGES)
 def test_what_runs_is_the_installed_one(folder: Path, installed: Path, package: str) -> None:
     program = f"import {package}; print({package}.__file__)"
@@ -132,9 +180,13 @@ def test_it_answers_at_once_and_imports_nothing_heavy(
 
 
 def seconds(folder: Path, command: list[str]) -> float:
-    start_s = time.perf_counter()
+    """What the processor needs for it, whatever else it does meanwhile."""
+    before = os.times()
     alone(folder, *command)
-    return time.perf_counter() - start_s
+    after = os.times()
+    return (
+        after.children_user + after.children_system - before.children_user - before.children_system
+    )
 
 
 def test_it_ploughs(folder: Path, installed: Path, tmp_path: Path) -> None:

@@ -170,7 +170,7 @@ WITNESSES: dict[str, dict[str, object]] = {
         "soil.k_phi_kn_per_m_n2": 2000.0, "soil.sinkage_exponent": 0.7, "soil.cohesion_kpa": 20.0,
         "soil.friction_angle_deg": 25.0, "soil.shear_modulus_m": 0.03,
         "soil.lateral_shear_ratio": 2.0, "soil.unit_weight_knpm3": 20.0, "soil.stress_peak": 0.3,
-        "soil.stress_peak_slip": 0.3, "soil.strength_cv": 0.2,
+        "soil.stress_peak_slip": 0.3, "soil.slip_sinkage": 0.5, "soil.strength_cv": 0.2,
     },
     "bekker kept": {
         "soil.numbers.deformable.k_c_kn_per_m_n1": 50.0,
@@ -183,6 +183,7 @@ WITNESSES: dict[str, dict[str, object]] = {
         "soil.numbers.deformable.unit_weight_knpm3": 20.0,
         "soil.numbers.deformable.stress_peak": 0.3,
         "soil.numbers.deformable.stress_peak_slip": 0.3,
+        "soil.numbers.deformable.slip_sinkage": 0.5,
     },
     "mapped": {"field.map_cell_m": 0.2, "field.map_start_m": -1.0},
     "mixed": {
@@ -195,7 +196,7 @@ WITNESSES: dict[str, dict[str, object]] = {
             "k_c_kn_per_m_n1": 50.0, "k_phi_kn_per_m_n2": 2000.0, "sinkage_exponent": 0.7,
             "cohesion_kpa": 10.0, "friction_angle_deg": 25.0, "shear_modulus_m": 0.03,
             "lateral_shear_ratio": 2.0, "unit_weight_knpm3": 20.0, "stress_peak": 0.3,
-            "stress_peak_slip": 0.3,
+            "stress_peak_slip": 0.3, "slip_sinkage": 0.5,
         }.items()},
         **{f"soil.{name}": value for name, value in {
             "cone_index_kpa": 800.0, "cohesion_kpa": 10.0, "friction": 0.5,

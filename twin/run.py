@@ -20,11 +20,12 @@ from twin.camera.tracking import Tracker
 from twin.errors import BadInput, TwinError
 from twin.lookup import line, where
 from twin.machine import calibration
+from twin.machine.braking import asked_mps
 from twin.machine.build import Machine, build
 from twin.machine.driver import full_depth_m
 from twin.machine.ends import End, Outcome
 from twin.machine.geometry import geometry
-from twin.machine.notes import notes, overspeed
+from twin.machine.notes import notes, unheld
 from twin.machine.route import length_m
 from twin.scenario import Scenario
 from twin.sensors import Sensors
@@ -117,7 +118,7 @@ def run(
         setup = sensors.setup(scenario.sensors, nominal)
         streams, true, kept, ends = sense(machine, nominal.driven, progress or _silent, frames)
         *before, end = ends
-        said = notes(machine) + overspeed(machine.numbers, true)
+        said = notes(machine) + unheld(asked_mps(machine), true)
         said += tuple(f"calibration: {leg}" for leg in before if not leg.as_planned)
     else:
         setup, streams, true = _measured(scenario)

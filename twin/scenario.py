@@ -34,6 +34,8 @@ five holes over some 0.2 m."""
 ROUGHNESS = {"smooth": 0.0, **{c: 16e-6 * 4.0**i for i, c in enumerate("ABCDEF")}}
 """G_d(n0) at n0 = 0.1 cycles/m [m3]: geometric means of ISO 8608's classes."""
 MOST_PATCHES = 4
+FRICTIONS, CONE_INDICES_KPA = (0.05, 1.5), (50.0, 5000.0)
+"""Friction and cone index that a soil may have, on its patches too."""
 LEAST_APPROACH_M = 15.0
 """Shortest approach after a turn [m]."""
 STEPS_S = (0.0005, 0.001, 0.002)
@@ -48,6 +50,7 @@ DEFORMABLE_RANGES = {
     "unit_weight_knpm3": (0.0, 25.0),
     "stress_peak": (0.0, 0.8),
     "stress_peak_slip": (0.0, 0.5),
+    "slip_sinkage": (0.0, 5.0),
 }
 """Ranges of what Bekker's law needs, somewhat wider than Wong's tables."""
 LEAST_BORNE_KPA = 20.0
@@ -113,6 +116,8 @@ class Soil:
     """c_1 in theta_m = (c_1 + c_2 |s|) theta_1, the place of the greatest normal stress [-]."""
     stress_peak_slip: float | None = None
     """c_2 in it [-]; with both 0 the stress is Bekker's, greatest under the hub."""
+    slip_sinkage: float | None = None
+    """S in Bekker's law: slip s sinks a wheel 1 + S s times as deep [-]; 1 after Lyasko 2010."""
     numbers: Preset | None = None
     """The preset's own numbers as a run has kept them in its scenario.json; None looks them up."""
 
@@ -122,9 +127,9 @@ class Soil:
         if self.law not in LAWS and ":" not in self.law:
             raise UnknownName("soil law", self.law, LAWS)
         resolved = self.resolved
-        check_range("soil.friction", resolved.friction, 0.05, 1.5)
+        check_range("soil.friction", resolved.friction, *FRICTIONS)
         if self.cone_index_kpa is not None or not math.isnan(resolved.cone_index_kpa):
-            check_range("soil.cone_index_kpa", resolved.cone_index_kpa, 50.0, 5000.0)
+            check_range("soil.cone_index_kpa", resolved.cone_index_kpa, *CONE_INDICES_KPA)
         elif self.law == "brixius":
             raise BadInput(
                 f"soil preset '{self.preset}' has no cone index, which Brixius' law needs; "
@@ -369,7 +374,10 @@ class Plough:
 
 @dataclass(frozen=True, kw_only=True)
 class Drive:
-    """How the tractor is driven: one gear, one throttle setting, held through the run."""
+    """How the tractor is driven: one gear, one throttle setting, held through the run.
+
+    The driver brakes where the ground drives the engine above that setting.
+    """
 
     gear_ratio: float = 66.0
     """Engine turns per turn of the rear axle [-]."""
@@ -379,6 +387,8 @@ class Drive:
     """Engage the front axle."""
     differential_lock: bool = True
     """Turn both rear wheels together."""
+    exhaust_brake: bool = False
+    """Close the exhaust brake of a diesel while the wheels drive it; an option of the machine."""
 
     def __post_init__(self) -> None:
         check_range("drive.gear_ratio", self.gear_ratio, 15.0, 300.0)
@@ -433,6 +443,28 @@ class Course:
         check_range("course.heading_deg", self.heading_deg, -180.0, 180.0)
 
 
+def _check_patches(soil: Preset, patches: tuple[Patch, ...]) -> None:
+    """Refuse patches on which the soil would leave the ranges it is held to elsewhere.
+
+    Raises:
+        OutOfRange: friction or cone index of the soil times the factors of a patch, and of those
+            that overlap it.
+    """
+    factors = {"friction": FRICTIONS, "cone_index_kpa": CONE_INDICES_KPA}
+    for i, patch in enumerate(patches):
+        here = [p for p in patches if p.start_m <= patch.start_m < p.start_m + p.length_m]
+        for name, (low, high) in factors.items():
+            kind = f"{name.removesuffix('_kpa')}_factor"
+            factor = math.prod(getattr(p, kind) for p in here)
+            value = getattr(soil, name) * factor
+            if not (math.isnan(value) or low <= value <= high):
+                raise OutOfRange(
+                    f"field.patches[{i}].{kind}", f"{factor:g}",
+                    f"what soil.{name} = {getattr(soil, name):g} allows: times the factor it is "
+                    f"{value:g}, and [{low:g}, {high:g}] would do",
+                )  # fmt: skip
+
+
 @dataclass(frozen=True, kw_only=True)
 class Scenario:
     """One run: a machine on a field, what it does, what measures it, and the seed of all chance."""
@@ -463,6 +495,7 @@ class Scenario:
             raise OutOfRange("timestep_s", self.timestep_s, f"the choices {STEPS_S}")
         if not 0 <= self.seed < 2**31:
             raise OutOfRange("seed", self.seed, "[0, 2147483647]")
+        _check_patches(self.soil.resolved, self.field.patches)
 
     @property
     def expected_draft_scale(self) -> float:

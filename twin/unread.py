@@ -154,6 +154,8 @@ RULES = (
          ("soil.rock_kn",)),
     Rule("a linkage, which electric_tractor lacks", lambda s: s.machine != "electric_tractor",
          ("sensors.machine.lower_link_m",)),
+    Rule("a diesel, which electric_tractor has not", lambda s: s.machine != "electric_tractor",
+         ("drive.exhaust_brake",)),
     Rule("sensors.gnss.coloured_sd_m above 0", _of("gnss", lambda g: g.coloured_sd_m > 0.0),
          ("sensors.gnss.coloured_tau_s",)),
     Rule("an outage long enough for a float solution", _solved(Mode.FLOAT),

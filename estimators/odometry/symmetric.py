@@ -18,8 +18,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.compiled import compiled
 from estimators.odometry.lens import Array, Picture, centre_px
+from twin.compiled import compiled
 
 Vector = NDArray[np.float32]
 

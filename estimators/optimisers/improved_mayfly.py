@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from estimators.compiled import compiled, inlined
 from estimators.optimisers.chance import State
 from estimators.optimisers.mayfly import COUNT, evolve
 from estimators.optimisers.population import Array, Function, Result
+from twin.compiled import compiled, inlined
 
 
 @inlined

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.compiled import compiled, inlined
 from estimators.optimisers.chance import State, uniform
 from estimators.optimisers.opposition import lens_image, next_chaos, scale
 from estimators.optimisers.population import (
@@ -22,6 +21,7 @@ from estimators.optimisers.population import (
     rank,
     result,
 )
+from twin.compiled import compiled, inlined
 
 MALE, FEMALE = 0, 1
 COUNT = 20

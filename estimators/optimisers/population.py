@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.compiled import compiled, inlined
 from estimators.optimisers.chance import State, uniform
+from twin.compiled import compiled, inlined
 
 Array = NDArray[np.float64]
 Function = Callable[[Array, Any], float]

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from estimators.compiled import inlined
 from estimators.optimisers.chance import State, uniform
 from estimators.optimisers.population import (
     Array,
@@ -18,6 +17,7 @@ from estimators.optimisers.population import (
     random_points,
     result,
 )
+from twin.compiled import inlined
 
 PARTICLES = 40
 INERTIA, COGNITIVE, SOCIAL = 0.7298, 1.49618, 1.49618

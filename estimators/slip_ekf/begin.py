@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from estimators.compiled import compiled
 from estimators.kalman import Record
 from estimators.slip_ekf.driven import axle
 from estimators.slip_ekf.layout import (
@@ -29,6 +28,7 @@ from estimators.slip_ekf.layout import (
     W,
 )
 from estimators.slip_ekf.rows import restart
+from twin.compiled import compiled
 
 SLOW_MPS = 0.3
 """Below this the first speeds say nothing of slip."""

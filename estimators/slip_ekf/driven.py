@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from estimators.compiled import compiled
 from estimators.kalman import Array, Record
+from twin.compiled import compiled
 
 MOVING_MPS = 0.2
 """A counter that stands still while its wheel should turn this fast is stuck."""

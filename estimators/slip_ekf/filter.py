@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from estimators.compiled import compiled
 from estimators.kalman import Array, Record
 from estimators.layout import (
     CAMERA,
@@ -37,6 +36,7 @@ from estimators.slip_ekf.rows import (
     take,
 )
 from estimators.slip_ekf.tuning import FROM_CAMERA, FROM_FRONT, FROM_GNSS, FROM_IMU
+from twin.compiled import compiled
 
 
 @compiled

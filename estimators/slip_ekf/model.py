@@ -23,7 +23,6 @@ import math
 
 import numpy as np
 
-from estimators.compiled import compiled
 from estimators.kalman import Array, Record
 from estimators.slip_ekf.layout import (
     ACCEL_BIAS,
@@ -46,6 +45,7 @@ from estimators.slip_ekf.layout import (
     V,
     W,
 )
+from twin.compiled import compiled
 
 LARGEST_SLIP, LEAST_SLIP = 0.9, -2.0
 """The usual slip is kept between these, so that the wheels' speed stays finite."""

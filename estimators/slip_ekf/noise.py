@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from estimators.compiled import compiled
 from estimators.kalman import Array, Record
 from estimators.slip_ekf.layout import LAGS
+from twin.compiled import compiled
 
 SETTLE = 100.0
 """Samples over which the variance is averaged."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from estimators.compiled import compiled
 from estimators.estimate import SLOW_MPS
 from estimators.kalman import Record
 from estimators.layout import NO_GROUND_SPEED, STALE_S
@@ -12,6 +11,7 @@ from estimators.slip_ekf import model
 from estimators.slip_ekf.driven import radius
 from estimators.slip_ekf.layout import NO_FRONT, NO_IMU, V
 from estimators.slip_ekf.pitch import rate_now
+from twin.compiled import compiled
 
 
 @compiled

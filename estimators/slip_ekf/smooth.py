@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from estimators import signals
-from estimators.compiled import compiled
 from estimators.estimate import SLOW_MPS
 from estimators.kalman import Array, Record
 from estimators.layout import GNSS, OUT_OF_ORDER
@@ -22,6 +21,7 @@ from estimators.slip_ekf.driven import radius
 from estimators.slip_ekf.filter import advance, measure
 from estimators.slip_ekf.layout import QUICK_RADIUS, RADIUS, REAR_TRAVEL, SIZE, USUAL, V, W
 from estimators.slip_ekf.raised import USED, lifted
+from twin.compiled import compiled
 from twin.streams import Setup, Streams, Table
 
 NUDGE = 1e-5

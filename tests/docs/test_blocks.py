@@ -1,4 +1,4 @@
-"""Every code block of the README and of docs/ is run, and every command in them exists.
+"""Every code block of the README and of docs/ is run, here or in tests/long; every command exists.
 
 A comment before a block says if something else becomes of it:
 
@@ -9,6 +9,7 @@ A comment before a block says if something else becomes of it:
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
@@ -56,6 +57,7 @@ def blocks(page: Path) -> list[Block]:
 
 RUN = [p for p in PAGES[1:] if any(b.runs for b in blocks(p))]
 """The README's example has a test of its own, which compares what it prints."""
+WITH_PYTHON = [p for p in RUN if any(b.runs and b.language == "python" for b in blocks(p))]
 
 
 def commands(page: Path) -> list[list[str]]:
@@ -71,26 +73,27 @@ def commands(page: Path) -> list[list[str]]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", RUN, ids=name)
-def test_every_block_runs(page: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("page", WITH_PYTHON, ids=name)
+def test_every_block_of_python_runs(page: Path, tmp_path: Path) -> None:
+    """Commands, too: tests/long. That they and their options exist is tested below."""
+    runs(page, tmp_path, "python")
+
+
+def runs(page: Path, folder: Path, *languages: str) -> None:
+    """Run a page's blocks in a folder, after its files are written there."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    surroundings = {**os.environ, "PATH": path, "PYTHONPATH": str(ROOT)}
-    for block in blocks(page):
-        if block.file is not None:
-            (tmp_path / block.file).write_text(block.text, encoding="utf-8")
-        elif block.runs:
-            python = [sys.executable, "-W", "error", "-c", block.text]
-            bash = ["bash", "-euo", "pipefail", "-c", block.text]
-            ran = subprocess.run(
-                python if block.language == "python" else bash,
-                cwd=tmp_path,
-                env=surroundings,
-                capture_output=True,
-                text=True,
-                timeout=300,
-            )
-            assert ran.returncode == 0, f"{block.text}\n{ran.stderr}"
-            assert "Warning" not in ran.stderr
+    chosen = [b for b in blocks(page) if b.file or (b.runs and b.language in languages)]
+    ran = subprocess.run(
+        [sys.executable, "-W", "error", str(Path(__file__).with_name("run_page.py"))],
+        input=json.dumps([(b.file or b.language, b.text) for b in chosen]),
+        cwd=folder,
+        env={**os.environ, "PATH": path, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
+    assert ran.returncode == 0, ran.stderr
+    assert "Warning" not in ran.stderr
 
 
 def test_every_block_is_run_or_says_why_not() -> None:

@@ -1,4 +1,4 @@
-"""500 control steps to the bit: the same seed again, a pickled copy, one of many."""
+"""Control steps to the bit: the same seed again, a pickled copy, one of many."""
 
 import pickle
 
@@ -14,37 +14,41 @@ from twin.env.wheel_slip import WheelSlipEnv
 KINDS = dict(
     zip(IDS, ((PloughEnv, PloughVectorEnv), (WheelSlipEnv, WheelSlipVectorEnv)), strict=True)
 )
-STEPS, SEED = 500, 3
-ACTIONS = (0.4 + 0.3 * np.random.default_rng(3).uniform(-1.0, 1.0, (STEPS, 2, 2))).astype("f4")
-"""Random, and none that stalls."""
+SEED = 3
 
 
-def rolled(env):
+def rolled(env, actions):
     observation, info = env.reset(seed=SEED)
-    return [(observation, 0.0, False, False, info), *(env.step(a) for a in ACTIONS[:, 0])]
+    return [(observation, 0.0, False, False, info), *(env.step(a) for a in actions[:, 0])]
 
 
 def bits(episode):
     return [(observation.tobytes(), *rest) for observation, *rest in episode]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("name", IDS)
-def test_500_steps(name, mode):
+def repeats_itself(name, mode, steps):
+    random = np.random.default_rng(3).uniform(-1.0, 1.0, (steps, 2, 2))
+    actions = (0.4 + 0.3 * random).astype("f4")  # none that stalls
     single, vector = KINDS[name]
     env = single(mode)
-    once = bits(rolled(env))
+    once = bits(rolled(env, actions))
     assert not any(step[2] for step in once)
     copy = pickle.loads(pickle.dumps(env))  # in the midst of an episode
-    assert bits(rolled(env)) == once
-    assert bits(rolled(copy)) == once
+    assert bits(rolled(env, actions)) == once
+    assert bits(rolled(copy, actions)) == once
     many = vector(2, observation=mode)
     observation, infos = many.reset(seed=[SEED, SEED + 1])
     seen = [(observation, np.zeros(2), np.zeros(2, bool), np.zeros(2, bool), infos)]
-    seen += [many.step(action) for action in ACTIONS]
+    seen += [many.step(action) for action in actions]
     of_first = [
         (observations[0].tobytes(), values[0], stalls[0], cuts[0], {n: infos[n][0] for n in info})
         for (observations, values, stalls, cuts, infos), (*_, info) in zip(seen, once, strict=True)
     ]
     assert of_first == once
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("name", IDS)
+def test_100_steps(name, mode):
+    """500 of them: tests/long."""
+    repeats_itself(name, mode, 100)

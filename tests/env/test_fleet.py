@@ -228,3 +228,35 @@ def test_nothing_is_compiled_on_reset(truth_env, monkeypatch):
     monkeypatch.setattr(mujoco.MjSpec, "compile", fails)
     truth_env.reset(seed=1, options={"soil.preset": "soft"})
     truth_env.step(np.zeros(2))
+
+
+def downhill(machine, nsim=1):
+    """Tractors on a hard slope down, the plough carried, and their actions: full throttle."""
+    fleet = Fleet(machine, nsim)
+    lie = grounds.Lie(cross_slope_deg=0.0, grade_deg=-15.0, furrow_depth_m=0.05)
+    for i in range(nsim):
+        fleet.lay(i, Axes.of(lie, machine.scenario.course), 0.05)
+        starts._place(fleet, i)
+    return fleet, np.tile([[-1.0, -1.0]], (nsim, 1))
+
+
+def test_the_driver_brakes_downhill_as_in_a_run(machine):
+    fleet, slow = downhill(machine, 2)
+    pressed, rates = [], []
+    for _ in range(500):
+        fleet.drive(slow, record=False)
+        pressed.append(fleet.foot.pedal.copy())
+        rates.append(66.0 * fleet.qvel[:, fleet.engine] * 30.0 / np.pi)
+    assert np.all(np.array(pressed)[:, 0] == np.array(pressed)[:, 1])
+    assert np.max(pressed) > 0.0
+    assert np.mean(rates[-100:]) < 1.08 * 900.0
+    assert np.max(rates) < 1.15 * machine.numbers["engine.no_load_rpm"]
+
+
+def test_a_start_keeps_the_foot_where_it_was(machine):
+    lie = grounds.Lie(cross_slope_deg=0.0, grade_deg=-15.0, furrow_depth_m=0.05)
+    (begin,) = starts.settle(machine, [lie], seen=False)
+    fleet = Fleet(machine)
+    fleet.restore([0], [begin], [replace(ground(1), lie=lie)])
+    assert {n: float(v[0]) for n, v in vars(fleet.foot).items()} == vars(begin.foot)
+    assert begin.foot.asked_radps > 0.0

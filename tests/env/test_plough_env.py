@@ -96,7 +96,7 @@ def test_it_starts_rolling_steadily_with_the_plough_in_the_air(truth_env):
     for _ in range(25):
         *_, info = truth_env.step(still)
         assert info["depth_m"] == 0.0
-        assert info["speed_mps"] == pytest.approx(speed, abs=0.005)
+        assert info["speed_mps"] == pytest.approx(speed, rel=0.005)
 
 
 def test_it_starts_in_the_last_furrow_and_ploughs_at_the_depth_it_is_set_for(truth_env):

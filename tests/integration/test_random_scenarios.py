@@ -19,7 +19,9 @@ from twin.machine.build import build
 from twin.machine.guard import Diverged
 from twin.machine.simulate import simulate
 from twin.scenario import (
+    CONE_INDICES_KPA,
     DEFORMABLE_RANGES,
+    FRICTIONS,
     FURROW_SIDES,
     HITCH_MODES,
     LEAST_APPROACH_M,
@@ -38,7 +40,7 @@ from twin.scenario import (
 )
 from twin.soils import LAWS, PRESETS
 
-COUNT = int(os.environ.get("RANDOM_SCENARIOS", "40"))
+COUNT = int(os.environ.get("RANDOM_SCENARIOS", "20"))
 SEED = int(os.environ.get("RANDOM_SEED", "0"))
 DRIVEN_S = 5.0
 MOST_MPS = 40.0
@@ -127,6 +129,18 @@ def simple(rng, kind):
     return {n: drawn(rng, c) for n, c in RANGES[kind].items() if isinstance(c, tuple)}
 
 
+def patch(rng, ground):
+    """A patch on which the soil mostly stays within its ranges."""
+    values = simple(rng, Patch)
+    if rng.random() < 0.9:
+        for name, (low, high) in (("friction", FRICTIONS), ("cone_index_kpa", CONE_INDICES_KPA)):
+            kind = f"{name.removesuffix('_kpa')}_factor"
+            own = getattr(ground.resolved, name)
+            if not math.isnan(own):
+                values[kind] = min(max(values[kind], min(1.0, 2.0 * low / own)), 0.7 * high / own)
+    return Patch(**values)
+
+
 def scenario(seed):
     """The scenario of a seed.
 
@@ -146,11 +160,12 @@ def scenario(seed):
         field["other_share"] = 0.0
     if course["approach_m"] < LEAST_APPROACH_M or not course["hold_line"] or course.get("edge_m"):
         course["passes"] = 1
-    patches = tuple(Patch(**simple(rng, Patch)) for _ in range(rng.integers(MOST_PATCHES + 1)))
+    ground = soil(rng)
+    patches = tuple(patch(rng, ground) for _ in range(rng.integers(MOST_PATCHES + 1)))
     return Scenario(
         name=f"random-{seed}",
         machine=machine,
-        soil=soil(rng),
+        soil=ground,
         field=Field(**field, patches=patches, other_soil=soil(rng)),
         plough=Plough(**simple(rng, Plough)) if ploughs else None,
         drive=Drive(**drive),

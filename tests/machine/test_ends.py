@@ -20,7 +20,7 @@ from twin.machine.ends import (
     stance,
 )
 from twin.machine.simulate import simulate
-from twin.scenario import Course, Plough
+from twin.scenario import Course, Drive, Plough
 
 PERIOD_S = 0.02
 UPRIGHT = np.array([0.0, 0.0, 1.0])
@@ -60,7 +60,8 @@ EARLY = {
     "downhill without grip": (
         field(soiled(BARE, friction=0.1), grade_deg=-15.0), Outcome.SLID,
     ),
-    "twice the draft": (soiled(DEEP, draft_scale=2.0), Outcome.STALLED),
+    "twice the draft": (soiled(DEEP, draft_scale=2.0), Outcome.STUCK),
+    "too tall a gear": (replace(PLOUGHING, drive=Drive(gear_ratio=20.0)), Outcome.STALLED),
     "a slope without grip": (SLIPPERY, Outcome.LEFT_LINE),
     "a plough that hangs on its wheel": (
         replace(PLOUGHING, plough=Plough(depth_m=0.05, wheel_share=1.0)), Outcome.SHALLOW,
@@ -155,13 +156,13 @@ def watched(moments):
     return None
 
 
-def rolling(slip, time_s, rim_mps=2.0, left_m=0.0, follows=True, start_m=0.0):
+def rolling(slip, time_s, rim_mps=2.0, left_m=0.0, follows=True, start_m=0.0, engine_rpm=1600.0):
     """Moments of a drive with a slip that stays."""
     hub_mps = rim_mps * (1.0 - slip)
     return [
         Moment(
             along_m=start_m + hub_mps * PERIOD_S * i, left_m=left_m, follows=follows,
-            up_b=UPRIGHT, rim_mps=rim_mps, hub_mps=hub_mps,
+            up_b=UPRIGHT, rim_mps=rim_mps, hub_mps=hub_mps, engine_rpm=engine_rpm,
         )
         for i in range(1, round(time_s / PERIOD_S) + 1)
     ]  # fmt: skip
@@ -196,6 +197,14 @@ def test_wheels_that_stand_have_stalled_and_not_spun():
     assert at_s == pytest.approx(10.0 + LOOK_BACK_S, abs=0.3)
 
 
+def test_an_engine_far_above_its_no_load_speed_for_a_second_has_run_away():
+    limit_rpm = 1.15 * bare_rig().numbers["engine.no_load_rpm"]
+    fast = rolling(0.0, 20.0, engine_rpm=limit_rpm + 1.0)
+    assert watched(fast) == (Outcome.RAN_AWAY, pytest.approx(1.0, abs=2.1 * PERIOD_S))
+    assert watched(rolling(0.0, 20.0, engine_rpm=limit_rpm - 1.0)) is None
+    assert watched([*fast[:40], *rolling(0.0, 0.1, start_m=1.6), *fast[40:80]]) is None
+
+
 def test_on_a_headland_a_tractor_may_be_beside_its_leg():
     near, off = rolling(0.0, 1.0), 2.0 * LEFT_M
     on_line = rolling(0.0, 1.0, left_m=off, start_m=2.0)
@@ -209,6 +218,6 @@ def test_an_end_is_a_sentence_and_plain_values(outcome):
     end = End(outcome=outcome, time_s=12.34, along_m=14.21, left_m=-25.1, measured=0.91)
     plain = end.plain()
     assert plain["outcome"] == outcome
-    assert plain["unit"] in ("m", "1", "deg")
+    assert plain["unit"] in ("m", "1", "deg", "rpm")
     assert str(end).startswith(str(outcome))
     assert plain["as_planned"] is str(end).startswith("course driven")

@@ -18,13 +18,14 @@ from twin.machine.guard import FAILURE_FILE, STATES_FILE, Diverged, Tape, all_fi
 from twin.machine.simulate import DECISION_S, Cab, simulate
 from twin.physics import block
 from twin.physics.block import Soil, Wheel
+from twin.scenario import Field, Patch
 
 LAW = """
 import math
 
 def pushes(soil, wheel, load_n, slip, side_slip):
     shear = 0.8 * load_n * (1.0 - math.exp(-7.5 * abs(slip)))
-    if slip > {most}:
+    if slip > {most} and soil[2] < {below}:
         return math.nan, 0.0, 0.0, 0.0, 0.0
     return math.copysign(shear, slip), 3.0 * load_n * side_slip, 0.05 * load_n, 0.0, 0.0
 """
@@ -32,12 +33,12 @@ def pushes(soil, wheel, load_n, slip, side_slip):
 
 @pytest.fixture
 def law(tmp_path, monkeypatch):
-    """Writes a soil law that fails beyond a slip, where the user stands; its name."""
+    """Writes a law that fails beyond a slip where the cone index is low; its name."""
     monkeypatch.chdir(tmp_path)
     written = []
 
-    def write(name, most):
-        (tmp_path / f"{name}.py").write_text(LAW.format(most=most))
+    def write(name, most, below=1e9):
+        (tmp_path / f"{name}.py").write_text(LAW.format(most=most, below=below))
         written.append(name)
         return f"{name}:pushes"
 
@@ -45,6 +46,12 @@ def law(tmp_path, monkeypatch):
     for name in written:
         sys.modules.pop(name, None)
     sys.path[:] = [p for p in sys.path if p != str(tmp_path)]
+
+
+SOFTER = replace(
+    PLOUGHING, field=Field(patches=(Patch(start_m=4.0, length_m=9.0, cone_index_factor=0.5),))
+)
+"""Softer from 4 m on, so that a law fails there and not while the machine settles."""
 
 
 def failure_of(scenario):
@@ -62,7 +69,7 @@ def left(error, folder):
 
 
 def test_a_law_that_fails_is_named_with_time_wheel_and_scenario(law, tmp_path):
-    error = failure_of(soiled(PLOUGHING, law=law("failing_law", 0.1)))
+    error = failure_of(soiled(SOFTER, law=law("failing_law", 0.1, 900.0)))
     failure = error.evidence.failure
     assert failure.quantity in ("shear_x_n of wheel rl", "shear_x_n of wheel rr")
     assert np.isnan(failure.value)
@@ -74,7 +81,7 @@ def test_a_law_that_fails_is_named_with_time_wheel_and_scenario(law, tmp_path):
 
 
 def test_the_folder_repeats_the_last_second_to_the_bit(law, tmp_path):
-    error = failure_of(soiled(PLOUGHING, law=law("repeated_law", 0.1)))
+    error = failure_of(soiled(SOFTER, law=law("repeated_law", 0.1, 900.0)))
     folder = left(error, tmp_path / "failed")
     seen = replay(folder)
     assert seen.failure.time_s == error.evidence.failure.time_s
@@ -132,7 +139,7 @@ def test_a_number_too_large_is_a_failure_too():
 
 
 def test_nothing_is_printed_and_no_log_is_written(law, tmp_path, capfd):
-    failure_of(soiled(PLOUGHING, law=law("quiet_law", 0.1)))
+    failure_of(soiled(SOFTER, law=law("quiet_law", 0.1, 900.0)))
     out = capfd.readouterr()
     assert (out.out, out.err) == ("", "")
     assert not (tmp_path / "MUJOCO_LOG.TXT").exists()
@@ -144,7 +151,7 @@ def test_at_the_command_line_it_is_one_line_and_a_folder(law, tmp_path, capsys):
     status = cli.main(["run", "plough-25cm", "--soil.law", spec, "--course.approach-m", "1"])
     (line,) = capsys.readouterr().err.splitlines()
     assert status == 2
-    assert "of the run of 'plough-25cm' (seed 0)" in line
+    assert "'plough-25cm' (seed 0)" in line
     assert "runs/failed-plough-25cm-seed0 repeats it" in line
     assert [p.name for p in (tmp_path / "runs").iterdir()] == ["failed-plough-25cm-seed0"]
     folder = tmp_path / "runs" / "failed-plough-25cm-seed0"

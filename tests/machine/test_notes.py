@@ -7,7 +7,7 @@ import pytest
 
 from tests.machine.rigs import BARE, PLOUGHING, bare_rig, plough_rig, soiled
 from twin.machine.build import build
-from twin.machine.notes import notes, overspeed
+from twin.machine.notes import notes, unheld
 from twin.run import run
 from twin.scenario import Course, Field, Scenario, Soil
 
@@ -39,7 +39,8 @@ def test_a_light_tractor_is_outside_on_both_axles():
 
 def test_a_soil_that_bears_is_not_noted_and_one_that_does_not_is():
     assert notes(build(soiled(BARE, law="bekker"))) == ()
-    bogged = notes(build(soiled(BARE, law="bekker", preset="sandy-loam-22")))
+    soft = {"preset": "sandy-loam-22", "k_phi_kn_per_m_n2": 33.0, "cohesion_kpa": 1.0}
+    bogged = notes(build(soiled(BARE, law="bekker", **soft)))
     assert any("does not carry" in note for note in bogged)
 
 
@@ -48,27 +49,30 @@ def test_a_run_carries_its_notes():
     assert run(short, estimators={}).notes == notes(build(short))
 
 
-def turning(rpm):
-    """Truth at 50 Hz of an engine with these speeds."""
-    epoch_ns = 20_000_000 * np.arange(len(rpm), dtype=np.int64)
-    return {"epoch_ns": epoch_ns, "engine_radps": np.asarray(rpm) * np.pi / 30.0}
+def driven_at(speed_mps):
+    """Truth at 50 Hz of a machine with these speeds."""
+    epoch_ns = 20_000_000 * np.arange(len(speed_mps), dtype=np.int64)
+    return {"epoch_ns": epoch_ns, "speed_mps": np.asarray(speed_mps)}
 
 
-def test_an_engine_far_above_its_no_load_speed_for_a_second_is_noted():
-    numbers = {"engine.no_load_rpm": 2000.0}
-    rpm = np.full(500, 2290.0)
-    assert overspeed(numbers, turning(rpm)) == ()
-    rpm[100:140], rpm[200:240] = 3000.0, 3000.0  # 0.8 s each
-    assert overspeed(numbers, turning(rpm)) == ()
-    rpm[300:361], rpm[400:] = 2400.0, 2500.0
-    (note,) = overspeed(numbers, turning(rpm))
-    assert "above 2300 rpm, 1.15 of its no-load speed, for 3.2 s from 6.0 s on" in note
-    assert "up to 3000 rpm" in note
+def test_a_machine_far_faster_than_its_governor_asks_for_a_second_is_noted():
+    speed = np.full(500, 2.9)
+    assert unheld(2.0, driven_at(speed)) == ()
+    speed[100:140], speed[200:240] = 5.0, 5.0  # 0.8 s each
+    assert unheld(2.0, driven_at(speed)) == ()
+    speed[300:361], speed[400:] = 3.1, 3.5
+    (note,) = unheld(2.0, driven_at(speed))
+    assert "above 3.0 m/s, 1.5 of what the governor asks, for 3.2 s from 6.0 s on" in note
+    assert "up to 5.0 m/s" in note
 
 
-def test_down_a_steep_slope_a_run_notes_its_engine():
+def test_where_braked_wheels_skid_a_run_notes_it():
+    """Wheels on ice down 15 degrees: the engine is held, the tractor is not."""
     down = dataclasses.replace(
-        BARE, plough=None, field=Field(grade_deg=-15.0), course=Course(approach_m=1, length_m=50)
-    )
+        soiled(BARE, friction=0.25), field=Field(grade_deg=-15.0),
+        course=Course(approach_m=1, length_m=50),
+    )  # fmt: skip
     *_, note = run(down, estimators={}).notes
-    assert note.startswith("engine above 2760 rpm")
+    assert "of what the governor asks" in note
+    held = run(dataclasses.replace(down, soil=Soil()), estimators={}).notes
+    assert not any("governor" in note for note in held)

@@ -80,7 +80,7 @@ def test_sliding_rolling_and_bearings(ploughing):
     omega, v = c["spin_radps"], c["wheel_speed_x_mps"]
     sliding = c["shear_x_n"] * (omega * c["rolling_radius_m"] - v)
     assert power["power_slip_long_w"] == pytest.approx(mean(sliding.sum(axis=1)))
-    aside = -(c["shear_y_n"] * c["wheel_speed_y_mps"]).sum(axis=1)
+    aside = -(c["shear_y_n"] * c["tread_speed_y_mps"]).sum(axis=1)
     assert power["power_slip_lat_w"] == pytest.approx(mean(aside))
     moments = 0.04 * c["load_n"] * c["rolling_radius_m"] * omega
     rolling = (c["resistance_n"] * v + moments).sum(axis=1)

@@ -37,6 +37,7 @@ LIMITS = [
     (Soil, "soil.unit_weight_knpm3", 0.0, 25.0),
     (Soil, "soil.stress_peak", 0.0, 0.8),
     (Soil, "soil.stress_peak_slip", 0.0, 0.5),
+    (Soil, "soil.slip_sinkage", 0.0, 5.0),
     (Patch, "patch.start_m", -1000.0, 10000.0),
     (Patch, "patch.length_m", 0.5, 10000.0),
     (Patch, "patch.friction_factor", 0.1, 2.0),
@@ -75,6 +76,7 @@ LIMITS = [
     (Soil, "soil.unit_weight_knpm3", 0.0, 25.0),
     (Soil, "soil.stress_peak", 0.0, 0.8),
     (Soil, "soil.stress_peak_slip", 0.0, 0.5),
+    (Soil, "soil.slip_sinkage", 0.0, 5.0),
 ]
 NEEDED = {
     Patch: {"start_m": 10.0, "length_m": 5.0},

@@ -10,7 +10,7 @@ from twin.machine.build import build
 from twin.machine.columns import Recorder
 from twin.machine.simulate import simulate
 from twin.machine.start import Diverged
-from twin.scenario import Course, Plough
+from twin.scenario import Course, Drive, Plough
 
 
 def joined(scenario, **how):
@@ -75,7 +75,7 @@ def test_it_ploughs_at_its_depth_and_on_its_line():
 
 STUCK = {
     "spins its wheels": soiled(PLOUGHING, cone_index_kpa=50.0),
-    "stalls the engine": soiled(replace(PLOUGHING, plough=Plough(depth_m=0.35)), draft_scale=2.0),
+    "stalls the engine": replace(PLOUGHING, drive=Drive(gear_ratio=20.0)),
     "slides down backwards": field(soiled(BARE, friction=0.1), grade_deg=15.0),
     "slides aside": field(soiled(BARE, friction=0.1), cross_slope_deg=25.0),
     "never reaches its depth": replace(PLOUGHING, plough=Plough(depth_m=0.05, wheel_share=1.0)),

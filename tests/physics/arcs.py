@@ -50,18 +50,24 @@ def rigid_wheel(radius_m=0.45, width_m=0.30):
             Wheel.LATERAL_RATIO: 0.85,
             Wheel.SHEAR_DAMPING_S: 0.2,
             Wheel.NOMINAL_LOAD_N: 21.7e3,
+            Wheel.INERTIA_KGM2: 95.0,
         },
     )
 
 
 @dataclass(frozen=True)
 class Arc:
-    """Wong & Reece 1967 and Janosi & Hanamoto 1961 on a rigid wheel, straight ahead."""
+    """Wong & Reece 1967 and Janosi & Hanamoto 1961 on a rigid wheel, straight ahead.
+
+    A side slip only sinks it deeper: 1 + S times the slip's size, by a modulus that a flat arc
+    would need for it.
+    """
 
     ground: np.ndarray
     slip: float
     radius_m: float = 0.45
     width_m: float = 0.30
+    side_slip: float = 0.0
 
     def stresses(self, theta, entry):
         """sigma, tau at an angle from the vertical, and the strength there [Pa]."""
@@ -70,7 +76,8 @@ class Arc:
         ahead = theta if theta >= peak else entry - theta / peak * (entry - peak)
         depth = max(0.0, r * (math.cos(ahead) - math.cos(entry)))
         modulus = g[Soil.K_C] / self.width_m + g[Soil.K_PHI]
-        sigma = modulus * depth ** g[Soil.SINKAGE_EXPONENT]
+        n, size = g[Soil.SINKAGE_EXPONENT], min(math.hypot(self.slip, self.side_slip), 1.0)
+        sigma = modulus * (1.0 + g[Soil.SLIP_SINKAGE] * size) ** -(n + 0.5) * depth**n
         pace = 1.0 - self.slip if self.slip >= 0.0 else 1.0 / (1.0 + self.slip)
         j = r * (entry - theta - pace * (math.sin(entry) - math.sin(theta)))
         strength = g[Soil.COHESION_PA] + sigma * g[Soil.TAN_PHI]

@@ -47,6 +47,7 @@ def wheel():
             Wheel.LATERAL_RATIO: 0.85,
             Wheel.SHEAR_DAMPING_S: 0.2,
             Wheel.NOMINAL_LOAD_N: 21.7e3,
+            Wheel.INERTIA_KGM2: 95.0,
         },
     )
 
@@ -58,8 +59,8 @@ def soil_of_mobility(number, load_n, *, radial=False):
     return soil(cone_index_kpa=number * load_n / (1e3 * b * d * bracket), radial=radial)
 
 
-def engine():
-    """447 N m at 2200 rpm, 30 % torque rise at 1450 rpm, governed to 2376 rpm."""
+def engine(**own):
+    """447 N m at 2200 rpm, 30 % torque rise at 1450 rpm, governed to 2376 rpm; `own` by name."""
     return filled(
         Engine.SIZE,
         {
@@ -72,9 +73,24 @@ def engine():
             Engine.DROOP_RPM_PER_NM: 0.394,
             Engine.PARASITIC_NM: 25.0,
             Engine.TRANSMISSION_EFFICIENCY: 0.87,
+            Engine.MAX_POWER_W: 103e3,
+            Engine.DISPLACEMENT_M3: 6.5e-3,
+            Engine.STROKE_M: 0.125,
             Engine.GEAR_RATIO: 66.0,
-        },
+        }
+        | {Engine[name.upper()]: x for name, x in own.items()},
     )
+
+
+def motor(**own):
+    """8 N m and 1 kW, of which it takes half back; 20 rpm/(N m) at 3000 rpm; `own` by name."""
+    values = {
+        "kind": 1.0, "rated_torque_nm": 8.0, "rated_rpm": 1200.0, "no_load_rpm": 3000.0,
+        "idle_rpm": 0.0, "droop_rpm_per_nm": 20.0, "parasitic_nm": 0.1, "max_power_w": 1000.0,
+        "regeneration_w": 500.0, "transmission_efficiency": 0.85, "displacement_m3": 0.0,
+        "stroke_m": 0.0, "gear_ratio": 50.0,
+    }  # fmt: skip
+    return engine(**(values | own))
 
 
 def element():

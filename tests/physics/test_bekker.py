@@ -11,7 +11,7 @@ from scipy.special import beta
 
 from tests.physics.arcs import SOILS, Arc, rigid_wheel, sinking
 from tests.physics.blocks import wheel
-from twin.physics.bekker import bekker, bulldozing_n, circle, sine_cosine
+from twin.physics.bekker import bekker, bulldozing_n, circle, drift, sine_cosine
 from twin.physics.block import Soil, Wheel
 from twin.physics.tyre import relaxed_shear
 
@@ -27,9 +27,10 @@ def pull_torque_sinkage(ground, tyre, load_n, slip):
 @pytest.mark.parametrize("name", SOILS)
 @pytest.mark.parametrize("load_n", LOADS_N)
 @pytest.mark.parametrize("slip", [-0.3, -0.05, 0.0, 0.05, 0.2, 0.5, 0.9])
-def test_pull_torque_and_sinkage_are_those_of_the_arc(name, load_n, slip):
+@pytest.mark.parametrize("slip_sinkage", [0.0, 1.0])
+def test_pull_torque_and_sinkage_are_those_of_the_arc(name, load_n, slip, slip_sinkage):
     """Few points and iterations against adaptive quadrature and a bracketed root."""
-    ground = sinking(*SOILS[name])
+    ground = sinking(*SOILS[name], slip_sinkage=slip_sinkage)
     arc = Arc(ground, slip)
     z = arc.sinkage_m(load_n)
     exact = arc.pull_n(z) / load_n, arc.torque_n(z) / load_n, z
@@ -112,6 +113,7 @@ def grounds(draw):
         unit_weight_npm3=draw(st.floats(0.0, 25e3)),
         peak=draw(st.one_of(st.just(0.0), st.floats(0.05, 0.8))),
         peak_slip=draw(st.one_of(st.just(0.0), st.floats(0.05, 0.5))),
+        slip_sinkage=draw(st.one_of(st.just(0.0), st.floats(0.1, 5.0))),
     )
 
 
@@ -132,15 +134,24 @@ def test_the_shear_dissipates_is_odd_and_mirrors_left_and_right(ground, tyre, lo
     assert bekker(ground, tyre, load, slip, -side)[:2] == (x, -y)
 
 
+@settings(max_examples=400, deadline=None)
+@given(grounds(), WHEELS, st.floats(100.0, 20e3), st.floats(-1.0, 1.0), SLIP)
+def test_no_wheel_gets_power_from_the_soil(ground, tyre, load, slip, side):
+    """T w - P v - F_y v_y >= 0, over the faster of w R and v."""
+    x, y, resistance, rolling, _ = bekker(ground, tyre, load, slip, side)
+    spin, roll = min(1.0, 1.0 + slip), min(1.0, 1.0 - slip)
+    assert x * slip + y * side + rolling * spin + resistance * roll >= -1e-9 * load
+
+
 @settings(max_examples=200, deadline=None)
 @given(grounds(), st.floats(100.0, 20e3), st.floats(0.0, 1.0), SLIP)
 def test_the_shear_stays_within_the_strength_of_the_soil(ground, load, slip, side):
     """c A + tan(phi) times the integral of sigma at the law's own sinkage; bulldozing on top."""
     ground[Soil.PEAK_SLIP] = min(ground[Soil.PEAK_SLIP], 0.9 - ground[Soil.PEAK])
     x, y, *_, z = bekker(ground, rigid_wheel(), load, slip, side)
-    y -= bulldozing_n(ground, rigid_wheel(), 0.0, z, side)
+    y -= bulldozing_n(ground, rigid_wheel(), 0.0, z, drift(slip, side))
     if z < 0.85 * 0.45:  # below that the wheel is bogged, and what it lacks is added in proportion
-        strength = Arc(ground, slip).strength_n(z)
+        strength = Arc(ground, slip, side_slip=side).strength_n(z)
         assert math.hypot(x, y) <= 1.005 * strength + 1e-4 * load
 
 
@@ -159,8 +170,8 @@ def test_forces_pass_through_zero_slip_without_a_step(ground, tyre, load, side):
 def test_a_wheel_rolling_backwards_is_one_rolling_forwards_seen_from_behind(
     ground, spin, roll, u_x, u_y
 ):
-    once = relaxed_shear(ground, wheel(), 10e3, spin, roll, 0.0, u_x, u_y, 0.002)
-    back = relaxed_shear(ground, wheel(), 10e3, -spin, -roll, 0.0, -u_x, -u_y, 0.002)
+    once = relaxed_shear(ground, wheel(), 10e3, spin, roll, 0.0, (u_x, u_y, u_x, u_y), 0.002)
+    back = relaxed_shear(ground, wheel(), 10e3, -spin, -roll, 0.0, (-u_x, -u_y, -u_x, -u_y), 0.002)
     if spin + roll != 0.0:
         assert back[:2] == pytest.approx([-f for f in once[:2]], abs=1e-9)
         assert back[2:5] == pytest.approx(once[2:5])
@@ -172,7 +183,8 @@ def test_shear_is_continuous_through_standstill(u_x, u_y):
     """The spring of a parked tyre does not feel which way it is about to roll."""
     ground = sinking(*SOILS["C"])
     ahead, back = (
-        relaxed_shear(ground, wheel(), 20e3, v, v, 0.0, u_x, u_y, 0.002) for v in (1e-9, -1e-9)
+        relaxed_shear(ground, wheel(), 20e3, v, v, 0.0, (u_x, u_y, u_x, u_y), 0.002)
+        for v in (1e-9, -1e-9)
     )
     assert ahead[:2] == pytest.approx(back[:2], abs=1e-3)
 
@@ -199,6 +211,27 @@ def test_bulldozing_is_rankines_pressure_on_the_sunk_side():
     exact = np.trapezoid(line, x)
     assert bulldozing_n(ground, rigid_wheel(), 0.0, z, 0.5) == pytest.approx(exact, rel=1e-4)
     assert bulldozing_n(ground, rigid_wheel(), 0.0, z, -0.5) == pytest.approx(-exact, rel=1e-4)
+
+
+@pytest.mark.parametrize("tyre", [rigid_wheel(), wheel()])
+@pytest.mark.parametrize(("slip", "side"), [(0.2, 0.0), (-0.2, 0.0), (0.0, 0.2), (0.5, 0.5)])
+def test_a_slipping_wheel_sinks_as_much_deeper_as_lyasko_says(tyre, slip, side):
+    """z = z_0 (1 + S s), s the size of the slip, where shear carries nothing."""
+    ground = sinking(0.0, 1000.0, 0.9, 0.0, 0.0, 0.02, slip_sinkage=0.8, peak_slip=0.0)
+    still, slipping = (
+        bekker(ground, tyre, 2e3, s, s_y)[4] for s, s_y in ((0.0, 0.0), (slip, side))
+    )
+    assert slipping / still == pytest.approx(1.0 + 0.8 * math.hypot(slip, side), rel=0.02)
+
+
+@pytest.mark.parametrize("slip", [0.0, 0.5, 0.9])
+def test_a_wheel_bulldozes_by_its_path_however_fast_its_rim_turns(slip):
+    """Soil without strength shears nothing; its weight resists as the slip angle alone says."""
+    ground = sinking(0.0, 1000.0, 1.0, 0.0, 0.0, 0.02, peak_slip=0.0)
+    _, y, *_, z = bekker(ground, rigid_wheel(), 5e3, slip, 0.3 * (1.0 - slip))
+    assert drift(slip, 0.3 * (1.0 - slip)) == pytest.approx(0.3)
+    assert y == pytest.approx(bulldozing_n(ground, rigid_wheel(), 0.0, z, 0.3), rel=1e-3)
+    assert y > 0.0
 
 
 @pytest.mark.parametrize("z", [0.001, 0.02, 0.1])

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from tests.physics.blocks import engine
+from tests.physics.blocks import engine, motor
 from twin.physics.engine import (
     axle_torque_nm,
+    braking_torque_nm,
     engine_torque_nm,
     full_load_torque_nm,
     parasitic_torque_nm,
@@ -22,6 +23,66 @@ def test_full_load_goes_through_rated_and_peak_torque():
 def test_rated_power_is_103_kw():
     assert 447.0 * 2200.0 * np.pi / 30.0 == pytest.approx(103e3, rel=0.001)
     assert engine_torque_nm(engine(), 1.0, 2200.0) == pytest.approx(447.0, rel=0.001)
+
+
+RPM = np.arange(1.0, 3001.0)
+RADPS = RPM * np.pi / 30.0
+
+
+@pytest.mark.parametrize("rise", [1.0, 1.30, 1.38, 1.5])
+@pytest.mark.parametrize("bulge", [1.0, 1.09])
+def test_no_speed_gives_more_than_the_maximum_power(rise, bulge):
+    """Of a machine that bulges above its rated power (8245R: 9 %) no more than that."""
+    own = engine(torque_rise=rise, max_power_w=bulge * 103e3)
+    power_w = np.array([full_load_torque_nm(own, n) for n in RPM]) * RADPS
+    assert power_w.max() <= bulge * 103e3 * (1.0 + 1e-12)
+    assert power_w.max() >= 0.999 * 103e3
+    governed = np.array([engine_torque_nm(own, 1.0, n) for n in RPM]) * RADPS
+    assert governed.max() <= bulge * 103e3 * (1.0 + 1e-12)
+    assert full_load_torque_nm(own, 1450.0) == pytest.approx(rise * 447.0)
+
+
+def test_between_peak_and_rated_speed_the_power_is_the_maximum_and_the_torque_has_no_step():
+    torque = np.array([full_load_torque_nm(engine(), n) for n in RPM])
+    flat = (RPM > 1850.0) & (RPM < 2190.0)
+    assert torque[flat] * RADPS[flat] == pytest.approx(103e3)
+    assert np.max(np.abs(np.diff(torque[(RPM > 600.0) & (RPM < 2400.0)]))) < 1.0  # a rpm apart
+
+
+def motored_nm(rpm, litres, stroke_m, exhaust_kpa=0.0):
+    """Millington and Hartles by hand, in their units: kPa, rpm, m/s."""
+    piston_mps = 2.0 * stroke_m * rpm / 60.0
+    kpa = 75.0 + 48.0 * rpm / 1000.0 + 0.4 * piston_mps**2 + exhaust_kpa
+    return kpa * litres / (4.0 * np.pi)
+
+
+@pytest.mark.parametrize("rpm", [800.0, 1665.0, 2200.0, 2760.0])
+def test_a_motored_diesel_drags_more_the_faster_it_turns_and_the_larger_it_is(rpm):
+    assert engine_torque_nm(engine(), 0.0, rpm + 600.0) == -braking_torque_nm(engine(), rpm + 600.0)
+    assert braking_torque_nm(engine(), rpm) == pytest.approx(motored_nm(rpm, 6.5, 0.125))
+    closed = engine(exhaust_brake_pa=250e3)
+    assert braking_torque_nm(closed, rpm) == pytest.approx(motored_nm(rpm, 6.5, 0.125, 250.0))
+    small = engine(displacement_m3=3e-3, stroke_m=0.1)
+    assert braking_torque_nm(small, rpm) == pytest.approx(motored_nm(rpm, 3.0, 0.1))
+    assert braking_torque_nm(engine(), rpm + 1.0) > braking_torque_nm(engine(), rpm)
+
+
+def test_the_drag_is_a_quarter_of_the_torque_at_rated_speed():
+    """Trucks' engines drag with 5 to 7 kW a litre at their higher rated speeds; here 4."""
+    drag_w = braking_torque_nm(engine(), 2200.0) * 2200.0 * np.pi / 30.0
+    assert 3e3 < drag_w / 6.5 < 6e3
+
+
+@pytest.mark.parametrize("rpm", [-3500.0, -1000.0, -200.0, 200.0, 1000.0, 3500.0])
+def test_a_motor_drives_and_regenerates_within_its_limits(rpm):
+    rate = abs(rpm) * np.pi / 30.0
+    assert braking_torque_nm(motor(), rpm) == pytest.approx(min(8.0, 500.0 / rate))
+    most_w = 1000.0 if rpm > 0.0 else 500.0  # pushed backwards it regenerates
+    assert full_load_torque_nm(motor(), rpm) == pytest.approx(min(8.0, most_w / rate))
+    for throttle in (0.1, 0.8, 1.0):
+        torque = engine_torque_nm(motor(), throttle, rpm)
+        assert -500.001 <= torque * rpm * np.pi / 30.0 <= 1000.001
+        assert abs(torque) <= 8.0
 
 
 @pytest.mark.parametrize("set_rpm", [1100.0, 1628.0, 2376.0])

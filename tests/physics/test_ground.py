@@ -154,6 +154,7 @@ def test_the_furrow_lies_beyond_its_edge_and_gets_its_depth_on_a_ramp(side):
     assert furrow(field, 20.0, side * 0.9) == pytest.approx((-0.25, 0.0, 0.0))
     on_wall = (-0.125, 0.0, -side * 0.25 * 1.5 / 0.1)
     assert furrow(field, 20.0, side * 0.70) == pytest.approx(on_wall)
+    assert furrow(field, 20.0, side * 1.5) == none  # the turned soil
     assert furrow(field, 9.99, side * 0.9) == none
     assert furrow(field, 11.5, side * 0.9) == pytest.approx((-0.125, -0.25 * 1.5 / 3.0, 0.0))
     depths = [-furrow(field, s, side * 0.9)[0] for s in np.linspace(9.0, 14.0, 501)]

@@ -160,8 +160,8 @@ def test_neighbouring_soil_never_pushes_the_plough():
     assert along.min() == pytest.approx(0.1)
 
 
-def rock_force(ground, field, s_m, share):
-    return np.array([rock_n(field, ground, s, 0.0, share) for s in s_m])
+def rock_force(ground, field, s_m, share, width_m=0.35):
+    return np.array([rock_n(field, ground, s, 0.0, share, width_m) for s in s_m])
 
 
 def pulses(force):
@@ -187,16 +187,19 @@ def test_a_rock_pulls_its_force_for_a_quarter_of_a_metre():
     assert np.all(rock_force(soil(rock_n=15e3), level(), s[::100], 0) == 0.0)
 
 
-def test_rocks_are_as_many_as_their_density_says():
-    """Over 280 m2, four shares for 200 m, two in 100 m2: binomial, 80 cells of 0.07 each."""
+@pytest.mark.parametrize("width_m", [0.35, 0.5])
+def test_rocks_are_as_many_as_their_density_says(width_m):
+    """Four shares for 200 m, two in 100 m2: binomial, 80 cells of 10 m times the body's width."""
     rocky = soil(rocks_per_m2=0.02, rock_n=15e3)
     s = np.arange(0.0, 200.0, 0.05)
     counts = []
     for seed in range(60):
         ground = level(seed=float(seed))
-        counts.append(sum(pulses(rock_force(rocky, ground, s, share)) for share in range(4)))
-    expected = binom(80, 0.02 * 10.0 * 0.35)
-    assert expected.mean() == pytest.approx(5.6)
+        counts.append(
+            sum(pulses(rock_force(rocky, ground, s, share, width_m)) for share in range(4))
+        )
+    expected = binom(80, 0.02 * 10.0 * width_m)
+    assert expected.mean() == pytest.approx(0.02 * 4 * 200.0 * width_m)
     error = expected.std() / math.sqrt(len(counts))
     assert np.mean(counts) == pytest.approx(expected.mean(), abs=3.5 * error)
     assert np.var(counts) == pytest.approx(expected.var(), rel=0.6)

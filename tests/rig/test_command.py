@@ -57,6 +57,22 @@ def test_parking_writes_one_row_a_slope(tmp_path, capsys):
     capsys.readouterr()
 
 
+@pytest.mark.slow
+def test_the_table_of_gears(tmp_path, capsys):
+    arguments = ["rig", "drawbar", "--table", "--gear-kmh", "15", "12", "--soil.preset", "asphalt"]
+    assert main([*arguments, "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    for column in ("pull_n", "speed_mps", "slip", "drawbar_power_w", "fuel_lph"):
+        assert column in said
+    written = rows(tmp_path / "drawbar-gears.csv")
+    assert [r["gear_kmh"] for r in written] == ["12", "15"]
+    power = [float(r["drawbar_power_w"]) for r in written]
+    assert [float(r["pull_n"]) * float(r["speed_mps"]) for r in written] == pytest.approx(
+        power, rel=1e-6
+    )
+    assert (tmp_path / "drawbar.png").read_bytes().startswith(b"\x89PNG")
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -70,6 +86,12 @@ def test_parking_writes_one_row_a_slope(tmp_path, capsys):
         (["wheel", "--soil.law", "coulomb"], "no soil law is called 'coulomb'"),
         (["wheel", "--slip", "fast"], "--slip"),
         (["drawbar", "--hitch-m", "9"], "hitch_m = 9"),
+        (
+            ["drawbar", "--table", "--step-n", "900"],
+            "step_n would not be read",
+        ),
+        (["drawbar", "--gear-kmh", "9"], "gear_kmh would not be read: it needs --table"),
+        (["drawbar", "--table", "--gear-kmh", "99"], "speeds_kmh = 99"),
         (["slope", "--cross-slope-deg", "70"], "cross_slope_deg = 70"),
         (["park", "--parked-s", "-1"], "parked_s = -1"),
     ],

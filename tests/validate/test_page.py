@@ -53,10 +53,3 @@ def test_the_committed_pages_words_are_those_of_the_code():
     text = PAGE.read_text(encoding="utf-8")
     assert text.startswith(page.INTRODUCTION)
     assert text.endswith(page.NOT_VALIDATED)
-
-
-@pytest.mark.slow
-def test_the_committed_pages_rows_are_those_the_code_produces():
-    """The same rows in the same order; the figures may differ."""
-    made = page.text(suite.checks(quick=True))
-    assert rows_of(made) == rows_of(PAGE.read_text(encoding="utf-8"))

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.camera.chance import keys, mixed
-from twin.camera.compiled import pixel_loop
 from twin.camera.pinhole import Pinhole
+from twin.compiled import law as pixel_loop
 
 DAYLIGHT_S = 0.002
 """Exposure that makes a frame's bytes equal the ground's brightness, at gain 1 [s]; assumed,

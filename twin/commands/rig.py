@@ -14,7 +14,8 @@ from twin.commands.measured import Measured, Talk, print_columns
 from twin.commands.parse import named_fields, parse
 from twin.commands.terminal import console, waiting
 from twin.errors import BadInput, UnknownName, check_range
-from twin.rig.drawbar import HITCH_M, RAMP_NPS
+from twin.rig.drawbar import HITCH_M, STEP_N
+from twin.rig.gears import SPEEDS_KMH
 from twin.rig.park import PARKED_S
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import SPEED_MPS
@@ -56,17 +57,24 @@ class Wheel(Talk):
 
 @dataclass(frozen=True, kw_only=True)
 class Drawbar(Talk):
-    """The tractor pulls a load that grows slowly, beside the wheel rig and weight transfer."""
+    """The tractor pulls loads that are held, beside the wheel rig and weight transfer.
+
+    With --table: the greatest steady drawbar power of each gear at full throttle, and its fuel.
+    """
 
     soil: Soil = dataclasses.field(default_factory=Soil)
     hitch_m: float = HITCH_M
     """Height of the pull above the ground [m]."""
-    ramp_nps: float = RAMP_NPS
-    """Growth of the pull [N/s]."""
+    step_n: float = STEP_N
+    """Pull from one held load to the next [N]."""
     most_slip: float = 0.40
     """Slip at which the test ends."""
+    table: bool = False
+    """Test every gear at full throttle, within 15 % slip, instead of pull against slip."""
+    gear_kmh: tuple[float, ...] = SPEEDS_KMH
+    """Gears of the table, by their speed at rated engine speed without slip [km/h]."""
     out: Path = Path("runs/rig-drawbar")
-    """Folder for drawbar.csv and drawbar.png."""
+    """Folder for drawbar.csv or drawbar-gears.csv, and drawbar.png."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,14 +177,45 @@ SHOWN = (
 )  # fmt: skip
 
 
+ONE_GEAR, ALL_GEARS = ("step_n", "most_slip"), ("gear_kmh",)
+"""Options of the drawbar rig that the table does not read, and that it alone does."""
+
+
 def _drawbar(options: Drawbar) -> Measured:
+    return _gears(options) if options.table else _pulled(options)
+
+
+def _gears(options: Drawbar) -> Measured:
+    from twin.rig import figures
+    from twin.rig.gears import gears
+
+    _some(options, "gear_kmh")
+    speeds = np.unique(options.gear_kmh)
+    found = gears(options.soil, speeds_kmh=speeds.tolist(), hitch_m=options.hitch_m)
+    columns = found.columns()
+    shown = {name: columns[name] for name in SHOWN_OF_GEARS}
+    title = f"Drawbar rig by gear: {_soil(options.soil)}, pull at {options.hitch_m:g} m"
+    return Measured(
+        {"drawbar-gears.csv": columns},
+        [shown],
+        "drawbar.png",
+        lambda path: figures.gears(found, title, path),
+    )
+
+
+SHOWN_OF_GEARS = (
+    "gear_kmh", "pull_n", "speed_mps", "slip", "engine_rpm", "drawbar_power_w", "fuel_lph",
+)  # fmt: skip
+
+
+def _pulled(options: Drawbar) -> Measured:
     from twin.rig import figures
     from twin.rig.drawbar import drawbar, expected_pull_n
 
     curve = drawbar(
         options.soil,
         hitch_m=options.hitch_m,
-        ramp_nps=options.ramp_nps,
+        step_n=options.step_n,
         most_slip=options.most_slip,
     )
     slips = np.array([s for s in COMPARED if curve.slip[0] <= s <= curve.slip.max()])
@@ -254,6 +293,12 @@ def _refuse_unread(options: Any, named: Collection[str]) -> None:
     for name in BRIXIUS_ALONE:
         if soil.law == "bekker" and name in named:
             raise BadInput(f"{name} would not be read: it needs soil.law = brixius")
+    if isinstance(options, Drawbar):
+        idle = ONE_GEAR if options.table else ALL_GEARS
+        for name in idle:
+            if name in named:
+                needs = "no --table" if options.table else "--table"
+                raise BadInput(f"{name} would not be read: it needs {needs}")
 
 
 def _some(options: Any, *names: str) -> None:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from twin.env.grounds import SPREAD, Ground, Lie
 from twin.env.quantities import Ids, ahead_w, dot, powers, true
 from twin.errors import BadInput
+from twin.machine.braking import Foot, brakes, press, set_radps
 from twin.machine.build import Machine
 from twin.machine.columns import Recorder
 from twin.machine.driver import LIFT_RATE_RADPS, ackermann, steer, towards
@@ -74,6 +75,7 @@ class Start:
     """How far along the course it stands [m]."""
     steer_rad: float
     lift_rad: float
+    foot: Foot
     action: tuple[float, float]
     """The action that keeps it rolling so."""
 
@@ -115,6 +117,11 @@ def depth_set_m(hitch: Any) -> Any:
     return RAISED_M + 0.5 * (hitch + 1.0) * (DEEPEST_M - RAISED_M)
 
 
+def resting(nsim: int) -> Foot:
+    """Feet of so many drivers that have pressed nothing yet."""
+    return Foot(np.zeros(nsim), np.zeros(nsim), np.zeros(nsim), np.zeros(nsim))
+
+
 class Fleet:
     """The machines of an environment: the only part of it whose physics changes."""
 
@@ -143,6 +150,8 @@ class Fleet:
         self.driven = np.array([WHEELS.index(w) for w in geometry(machine).driven])
         self.everyone = np.arange(nsim)
         self.steer_rad, self.lift_rad = np.zeros(nsim), np.zeros(nsim)
+        self.brakes, self.foot = brakes(machine), resting(nsim)
+        self.engine = int(model.joint("drive").dofadr[0])
         first = block.WHEEL + Wheel.LATERAL_RATIO
         self.front_grip = [first + i * Wheel.SIZE for i, w in enumerate(WHEELS) if w[0] == "f"]
         self.front_ratio = machine.numbers["tyre_front.lateral_ratio"]
@@ -166,6 +175,8 @@ class Fleet:
             for name, value in _place(ground, start.along_m).items():
                 numbers[block.FIELD + name] = value
             self.steer_rad[i], self.lift_rad[i] = start.steer_rad, start.lift_rad
+            for name, value in vars(start.foot).items():
+                getattr(self.foot, name)[i] = value
         self.batch.forward(np.array(ids, dtype=np.int32), stage=mujoco.mjtStage.mjSTAGE_VEL.value)
 
     def lay(self, i: int, axes: Axes, furrow_depth_m: float) -> None:
@@ -223,14 +234,20 @@ class Fleet:
         return np.tile([[start_throttle(self.machine), -1.0]], (len(self.steer_rad), 1))
 
     def levers(self, actions: Array) -> dict[str, Any]:
-        """What throttle and hitch set, by actuator; the hitch follows at its own rate."""
+        """What throttle and hitch set, by actuator; the hitch follows at its own rate.
+
+        The driver brakes where the ground drives the engine above what the throttle asks for.
+        """
         wanted = lift_rad(self.machine, depth_set_m(actions[:, 1]))
         self.lift_rad = towards(self.lift_rad, wanted, LIFT_RATE_RADPS * self.period_s)
-        drive = self.machine.scenario.drive
+        drive, throttle = self.machine.scenario.drive, governor(self.machine, actions[:, 0])
+        engine_radps = drive.gear_ratio * self.qvel[:, self.engine]
+        asked_radps = set_radps(self.machine, throttle)
+        self.foot = press(self.brakes, self.foot, engine_radps, asked_radps, self.period_s)
         return {
-            "throttle": governor(self.machine, actions[:, 0]),
+            "throttle": throttle,
             "clutch_pedal": 0.0,
-            "brake": 0.0,
+            "brake": self.foot.pedal,
             "lift": self.lift_rad,
             "differential_lock": float(drive.differential_lock),
             "front_drive": float(drive.all_wheel_drive),

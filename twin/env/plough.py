@@ -14,7 +14,8 @@ class PloughEnv(SingleEnv):
 
     The goal is a high work rate at a high traction efficiency, with the slip of the driven wheels
     near a target (heat and torn soil above, power lost in rolling below) and the plough at its
-    depth. A driver holds the line. A control step is 20 ms, ten physics steps.
+    depth. A driver holds the line, and brakes where the ground drives the engine above what the
+    throttle asks for. A control step is 20 ms, ten physics steps.
 
     ```
     env = gymnasium.make("twin.env:Plough-v0", observation="estimate")

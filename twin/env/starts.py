@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from twin.env.fleet import RAISED_M, Axes, Fleet, Start, lift_rad
 from twin.env.grounds import Lie
+from twin.machine.braking import Foot
 from twin.machine.build import Machine
 from twin.machine.columns import Recorder
 from twin.machine.ground_frame import quaternion
@@ -77,7 +78,8 @@ def settle(
             own = [{k: v[i : i + 1] for k, v in r.items()} for r in records if r is not None]
             approach = recorder.trajectory(own)
         along_m = float(fleet.qpos[i, :3] @ fleet.world_from_ground[i, :, 0])
-        place = along_m, float(fleet.steer_rad[i]), float(fleet.lift_rad[i])
+        foot = Foot(*(float(value[i]) for value in vars(fleet.foot).values()))
+        place = along_m, float(fleet.steer_rad[i]), float(fleet.lift_rad[i]), foot
         first, second = fleet.rolling()[i].tolist()
         state = fleet.batch.state[i].copy()
         starts.append(Start(state, axes[i], approach, *place, (first, second)))

@@ -54,12 +54,20 @@ SENSOR_COLUMNS = (
 )  # fmt: skip
 
 
+RECORDED = (
+    "sensordata", "userdata",
+    "qvel", "qfrc_passive", "qfrc_actuator", "qfrc_constraint", "qfrc_bias", "qfrc_spring",
+)  # fmt: skip
+"""What a run records of every step; the forces close the power balance."""
+
+
 class Recorder:
     """Turns records into trajectories, counting the steps so that epochs are exact."""
 
     def __init__(self, machine: Machine) -> None:
         model = machine.model
         self.steps = 0
+        self.velocity: Array | None = None  # generalised, before the next step
         self.step_ns = round(model.opt.timestep * 1e9)
         self.world_from_ground = machine.world_from_ground
         self.normal, self.heights = machine.world_from_ground[:, 2], machine.maps.get("heights")
@@ -85,7 +93,35 @@ class Recorder:
         n = len(slots)
         epoch_ns = (self.steps + np.arange(n, dtype=np.int64)) * self.step_ns
         self.steps += n
-        return Trajectory(epoch_ns, self._columns(sensordata, slots), end)
+        columns = self._columns(sensordata, slots)
+        if "qvel" in records[0]:
+            columns |= self._closing(
+                {k: np.concatenate([r[k][0] for r in records]) for k in RECORDED}
+            )
+        return Trajectory(epoch_ns, columns, end)
+
+    def _closing(self, record: dict[str, Array]) -> dict[str, Array]:
+        """What the power balance needs beside the laws' own terms.
+
+            contact = -F_c . (v + v') / 2        step = (F_g - F) . (v' - v) / 2
+
+        with v before and v' after the step. F_c holds joints within their limits and the hull and
+        the plough's frame off the ground. Powers are force times speed at the start of a step; the
+        step does F . (v + v') / 2 dt on the masses, and moves what has a potential (weight,
+        springs, F_g) by v' dt: `step` is the difference, of the first order in the time step.
+        """
+        after = record["qvel"]
+        first = after[:1] if self.velocity is None else self.velocity
+        before = np.concatenate([first, after[:-1]])
+        self.velocity = after[-1:].copy()
+        change = after - before
+        stored = record["qfrc_spring"] - record["qfrc_bias"]
+        lossy = record["qfrc_passive"] - record["qfrc_spring"] + record["qfrc_actuator"]
+        contact = record["qfrc_constraint"]
+        return {
+            "power_contact_w": -np.sum(contact * (before + 0.5 * change), axis=1),
+            "power_step_w": 0.5 * np.sum((stored - lossy) * change, axis=1),
+        }
 
     def _columns(self, sensordata: Array, slots: Array) -> dict[str, Array]:
         def sensor(name: str) -> Array:

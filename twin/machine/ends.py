@@ -29,6 +29,9 @@ minus this they only skid."""
 LEFT_M = LOOKAHEAD_M
 """So much further beside the line the driver has lost it [m]: the point of it that he steers for
 lies no further ahead."""
+OVERSPEED = 1.15
+"""Engine speed over the no-load speed at full throttle that no engine should see [-]; governors
+hold within about a tenth. Over `NOW_S` without a break it ends the drive."""
 SLOWEST_MPS = 0.05
 """Below this speed slip says nothing, as in the truth."""
 
@@ -42,6 +45,7 @@ class Outcome(StrEnum):
     STALLED = "stalled"
     STUCK = "stuck"
     SLID = "slid away"
+    RAN_AWAY = "ran away"
     LEFT_LINE = "left the line"
     ROLLED_OVER = "rolled over"
 
@@ -58,6 +62,11 @@ _MEASURED: dict[Outcome, tuple[str, str]] = {
     Outcome.SLID: (
         "1",
         "the wheels skid, slip {measured:.0%}, below -{stuck:.0%} over {back_s:g} s",
+    ),
+    Outcome.RAN_AWAY: (
+        "rpm",
+        "the ground drives the engine at {measured:.0f} rpm, over {now_s:g} s above {over:g} of "
+        "its no-load speed, and its brakes do not hold it",
     ),
     Outcome.LEFT_LINE: ("m", "{measured:.1f} m beside it"),
     Outcome.ROLLED_OVER: ("deg", "{measured:.0f} degrees from the vertical"),
@@ -80,7 +89,7 @@ class End:
     """What was being driven: the course, one of its passes, or the turn before one."""
     measured: float
     """What decided it, in `unit`: metres driven along, the depth reached, metres gained, the slip,
-    metres beside the line, degrees from the vertical."""
+    the engine's speed, metres beside the line, degrees from the vertical."""
 
     @property
     def as_planned(self) -> bool:
@@ -106,6 +115,8 @@ class End:
             cm=100.0 * self.measured,
             back_s=LOOK_BACK_S,
             stuck=STUCK_SLIP,
+            now_s=NOW_S,
+            over=OVERSPEED,
         )
         when = f" at {self.time_s:.1f} s, {self.along_m:.1f} m along {self.way}"
         return f"{self.outcome}{when if self.early else ''}: {words}"
@@ -174,6 +185,7 @@ class Moment:
     """w R of the driven wheels, their mean."""
     hub_mps: float
     """Speed of their centres along their rolling direction, the mean."""
+    engine_rpm: float
 
 
 def driven_speeds(slots: Array, driven: list[int]) -> tuple[float, float]:
@@ -191,6 +203,7 @@ class Watch:
         count = round(LOOK_BACK_S / period_s)
         self.past: deque[tuple[float, float, float]] = deque([(0.0, 0.0, 0.0)], count + 1)
         self.reached_m, self.standing_s, self.nearest_m = 0.0, 0.0, math.inf
+        self.limit_rpm, self.racing_s = OVERSPEED * machine.numbers["engine.no_load_rpm"], 0.0
 
     def begin_leg(self) -> None:
         """On a new line or arc, distances are counted anew."""
@@ -205,6 +218,8 @@ class Watch:
         if now.along_m >= self.reached_m + STALL_M:
             self.reached_m, self.standing_s = now.along_m, 0.0
         self.nearest_m = min(self.nearest_m, abs(now.left_m))
+        racing = abs(now.engine_rpm) > self.limit_rpm
+        self.racing_s = self.racing_s + self.period_s if racing else 0.0
         if self.stance.falls(now.up_b):
             return Outcome.ROLLED_OVER, math.degrees(math.acos(min(1.0, float(now.up_b[2]))))
         if now.follows and abs(now.left_m) > self.nearest_m + LEFT_M:
@@ -214,6 +229,8 @@ class Watch:
             return Outcome.STUCK, slip
         if max(slip, lately) < -STUCK_SLIP:
             return Outcome.SLID, slip
+        if self.racing_s > NOW_S:
+            return Outcome.RAN_AWAY, now.engine_rpm
         if self.standing_s > LOOK_BACK_S:
             return Outcome.STALLED, now.along_m - self.past[0][0]
         return None

@@ -18,28 +18,23 @@ The command line writes the folder by itself, as runs/failed-<name>-seed<N>.
 from __future__ import annotations
 
 import copy
-import ctypes
 import dataclasses
 import json
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
-from numba import types
 from numpy.typing import NDArray
 
 from twin.errors import BadInput, TwinError
 from twin.machine.memory import name_of
+from twin.machine.quiet import quiet
 from twin.physics import block
 from twin.physics.block import Head, MachineSlot, PowerSlot, Soil, WheelSlot
 from twin.physics.callback import install
-from twin.physics.compiled import c_callback
 from twin.physics.laws import law_number
 from twin.plain import from_plain, to_plain
 from twin.scenario import Scenario
@@ -127,28 +122,6 @@ class Tape:
         if self._count < len(self._rows):
             return self._rows[: self._count].copy()
         return np.roll(self._rows, -(self._count % len(self._rows)), axis=0)
-
-
-@contextmanager
-def quiet() -> Iterator[None]:
-    """Keep MuJoCo's warnings off stderr and out of its log file; their counters still rise."""
-    before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(_silence())
-    try:
-        yield
-    finally:
-        mujoco.set_mju_user_warning(before)
-
-
-@cache
-def _silence() -> Any:
-    """A C function that does nothing, and needs no Python lock from a Batch's threads."""
-    address = c_callback(types.void(types.voidptr))(_nothing).address
-    return ctypes.CFUNCTYPE(None, ctypes.c_void_p)(address)
-
-
-def _nothing(text: Any) -> None:
-    pass
 
 
 def all_finite(values: Array) -> bool:

@@ -13,11 +13,11 @@ ACTUATOR = "laws"
 def names(shares: int) -> tuple[str, ...]:
     """Names of the activations in their order.
 
-    Deflection of each tyre along and across [m], wind-up of each coupling [-], and how far each
-    share has pressed the soil ahead and towards the land [m].
+    Deflection of each tyre along and across [m] and its contact's slip [-], wind-up of each
+    coupling [-], and how far each share has pressed the soil ahead and towards the land [m].
     """
     return (
-        *(f"{w}_tyre_{axis}" for w in block.WHEELS for axis in "xy"),
+        *(f"{w}_{what}_{axis}" for w in block.WHEELS for what in ("tyre", "slip") for axis in "xy"),
         *(f"{c}_windup" for c in block.COUPLINGS),
         *(f"soil_{i + 1}_{axis}" for i in range(shares) for axis in "xy"),
     )

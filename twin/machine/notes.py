@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from twin.machine.build import Machine
@@ -14,9 +12,10 @@ from twin.streams import Table
 
 AXLES = {"front": (0, 1), "rear": (2, 3)}
 """Wheels of each axle, in the order of block.WHEELS."""
-OVERSPEED = 1.15
-"""Engine speed over the no-load speed that is told [-]; governors hold within about a tenth."""
-OVERSPEED_S = 1.0
+TOO_FAST = 1.5
+"""Speed over what the governor asks that is told [-]: braked wheels skid at 30 % by then, and hold
+nine tenths of all they can."""
+TOO_FAST_S = 1.0
 """How long it must last [s]."""
 
 
@@ -37,25 +36,23 @@ def notes(machine: Machine) -> tuple[str, ...]:
     return tuple(found)
 
 
-def overspeed(numbers: Mapping[str, float], truth: Table) -> tuple[str, ...]:
-    """When the wheels drive the engine far above its no-load speed, as on a slope downhill.
+def unheld(asked_mps: float, truth: Table) -> tuple[str, ...]:
+    """When the machine runs far faster than the governor asks, as where braked wheels skid.
 
-    n > 1.15 n_no_load for a second on end; the time of all such stretches is summed.
+    v > 1.5 w_0 r / i for a second on end; the time of all such stretches is summed.
 
     Args:
-        numbers: the machine's own, of which `engine.no_load_rpm` is looked at.
-        truth: with epoch_ns, evenly spaced, and engine_radps.
+        asked_mps: w_0 r / i, the speed of the driven rims at the governor's no-load speed.
+        truth: with epoch_ns, evenly spaced, and speed_mps.
     """
-    epoch_s = 1e-9 * truth["epoch_ns"]
-    rpm = np.abs(truth["engine_radps"]) * 30.0 / np.pi
-    limit_rpm = OVERSPEED * numbers["engine.no_load_rpm"]
-    edges = np.flatnonzero(np.diff(rpm > limit_rpm, prepend=False, append=False))
+    epoch_s, speed_mps = 1e-9 * truth["epoch_ns"], np.abs(truth["speed_mps"])
+    edges = np.flatnonzero(np.diff(speed_mps > TOO_FAST * asked_mps, prepend=False, append=False))
     starts, stops = epoch_s[edges[::2]], epoch_s[edges[1::2] - 1]
-    long = stops - starts >= OVERSPEED_S
+    long = stops - starts >= TOO_FAST_S
     if not np.any(long):
         return ()
     return (
-        f"engine above {limit_rpm:.0f} rpm, {OVERSPEED:g} of its no-load speed, for "
+        f"above {TOO_FAST * asked_mps:.1f} m/s, {TOO_FAST:g} of what the governor asks, for "
         f"{np.sum((stops - starts)[long]):.1f} s from {starts[long][0]:.1f} s on, up to "
-        f"{rpm.max():.0f} rpm: the ground drives it",
+        f"{speed_mps.max():.1f} m/s: engine and brakes do not hold it",
     )

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.errors import BadInput
+from twin.errors import BadInput, OutOfRange
 from twin.machine import memory
 from twin.machine.tread import tread_part
 from twin.physics import block
@@ -53,7 +53,7 @@ def parameter_block(
     parts: list[tuple[int, dict[Any, float]]] = [
         (0, head),
         (block.FIELD, field_part(scenario, numbers, rotation)),
-        (block.SOIL, soil_part(scenario.soil)),
+        (block.SOIL, soils(scenario)[0]),
         (block.ENGINE, _engine(scenario, model, numbers)),
     ]
     for name, at in MAPS.items():
@@ -87,7 +87,11 @@ def soil_part(soil: Ground) -> dict[Any, float]:
     return {
         Soil.LAW: law_number(soil.law),
         Soil.FRICTION: preset.friction,
-        Soil.CONE_INDEX_KPA: 0.0 if math.isnan(preset.cone_index_kpa) else preset.cone_index_kpa,
+        **(
+            {}
+            if math.isnan(preset.cone_index_kpa)
+            else {Soil.CONE_INDEX_KPA: preset.cone_index_kpa}
+        ),
         Soil.SLIP_RATE: preset.slip_rate,
         Soil.ROLLING_MOMENT: preset.rolling_moment,
         Soil.MOBILITY_RESISTANCE: preset.mobility_resistance,
@@ -100,6 +104,19 @@ def soil_part(soil: Ground) -> dict[Any, float]:
         Soil.ROCK_N: 1e3 * soil.rock_kn,
         **_deformable_part(soil.law, preset.deformable, soil.friction_scale),
     }
+
+
+def soils(scenario: Scenario) -> tuple[dict[Any, float], dict[Any, float]]:
+    """The block's numbers of the soil and of the other soil, each completed by the other's.
+
+    Where they meet their numbers are mixed; one that was never measured takes no part in it.
+    """
+    own, other = soil_part(scenario.soil), soil_part(scenario.field.other_soil)
+    for lacking, giving in ((own, dict(other)), (other, dict(own))):
+        for name, value in giving.items():
+            if name not in lacking:
+                lacking[name] = value
+    return own, other
 
 
 def _deformable_part(law: str, soil: Deformable | None, friction_scale: float) -> dict[Any, float]:
@@ -120,14 +137,14 @@ def _deformable_part(law: str, soil: Deformable | None, friction_scale: float) -
         Soil.UNIT_WEIGHT_NPM3: 1e3 * soil.unit_weight_knpm3,
         Soil.PEAK: soil.stress_peak,
         Soil.PEAK_SLIP: soil.stress_peak_slip,
+        Soil.SLIP_SINKAGE: soil.slip_sinkage,
     }
 
 
 def field_part(scenario: Scenario, numbers: dict[str, float], rotation: Array) -> dict[Any, float]:
     """Ground plane, furrow, patches and the other soil, as numbers of the block."""
     out: dict[Any, float] = {Field.SEED: scenario.seed, Field.PASS_WAY: 1.0}
-    other = soil_part(scenario.field.other_soil)
-    out |= {Field.OTHER + name: value for name, value in other.items()}
+    out |= {Field.OTHER + name: value for name, value in soils(scenario)[1].items()}
     for i, axis in enumerate((Field.AHEAD, Field.LEFT, Field.NORMAL)):
         out |= {axis + k: rotation[k, i] for k in range(3)}
     if scenario.plough is not None:
@@ -189,6 +206,7 @@ def _wheel(
     return {
         Wheel.BODY: model.body(f"{wheel}_wheel").id,
         Wheel.SPIN: int(model.joint(f"{wheel}_spin").dofadr[0]),
+        Wheel.INERTIA_KGM2: float(model.body(f"{wheel}_wheel").inertia.max()),
         Wheel.ENVELOPE: Envelope.FRONT if axle == "front" else Envelope.REAR,
         Wheel.TYRE: memory.address(model, f"{wheel}_tyre_x"),
         **named,
@@ -200,6 +218,7 @@ def _engine(scenario: Scenario, model: Any, numbers: dict[str, float]) -> dict[A
     own = tuple(f for f in Engine if f < Engine.GEAR_RATIO)
     return {
         **_named(numbers, "engine", own),
+        **({} if scenario.drive.exhaust_brake else {Engine.EXHAUST_BRAKE_PA: 0.0}),
         Engine.GEAR_RATIO: scenario.drive.gear_ratio,
         Engine.FRONT_RATIO: _number(numbers, "front_drive.ratio"),
         Engine.SHAFT: int(model.joint("drive").dofadr[0]),
@@ -227,6 +246,7 @@ def _plough(model: Any, numbers: dict[str, float], setting: Setting) -> dict[Any
     laws = tuple(f for f in Plough if f < Plough.WHEEL_RADIUS_M)
     wheel = tuple(f for f in Plough if Plough.WHEEL_RADIUS_M <= f < Plough.SOIL_STIFFNESS_NPM)
     out = _named(numbers, "plough", (*laws, Plough.SOIL_STIFFNESS_NPM))
+    bodies = _bodies(model, out[Plough.BODIES])
     out[Plough.SOIL] = memory.address(model, "soil_1_x")
     for f in wheel:
         out[f] = _number(numbers, "plough." + f.name.lower().replace("wheel_", "depth_wheel."))
@@ -235,7 +255,22 @@ def _plough(model: Any, numbers: dict[str, float], setting: Setting) -> dict[Any
         0.0 if side == 0 else numbers["furrow.edge_m"] - furrow_edge_m(numbers, setting.depth_m)
     )
     mirror = -1.0 if side < 0 else 1.0  # drawn for a furrow on the left
-    for i in range(int(out[Plough.BODIES])):
+    for i in range(bodies):
         x, y, z = model.site(f"plough.share_{i + 1}").pos
         out |= {Plough.SHARES + 3 * i + k: v for k, v in enumerate((x, mirror * (y - shift_m), z))}
     return out
+
+
+def _bodies(model: Any, bodies: float) -> int:
+    """How many bodies a plough has; refused where the block or the model has no place for them."""
+    if bodies != int(bodies) or not 1 <= bodies <= block.MOST_SHARES:
+        raise OutOfRange(
+            "plough.bodies", f"{bodies:g}", f"the whole numbers 1 to {block.MOST_SHARES}"
+        )
+    sites = sum(model.site(i).name.startswith("plough.share_") for i in range(model.nsite))
+    if sites != bodies:
+        raise BadInput(
+            f"plough.bodies = {bodies:g}, but the model has {sites} sites plough.share_1, "
+            "plough.share_2, ...: one for each body would do"
+        )
+    return int(bodies)

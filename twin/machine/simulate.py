@@ -12,18 +12,21 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
+from twin.machine.braking import Foot, brakes, press, set_radps
 from twin.machine.build import Machine
-from twin.machine.columns import Recorder
+from twin.machine.columns import RECORDED, Recorder
 from twin.machine.driver import Hands, Observed, Task, ackermann, drive, full_depth_m
 from twin.machine.ends import End, Moment, Outcome, Watch, driven_speeds
 from twin.machine.geometry import geometry
-from twin.machine.guard import Tape, all_finite, diverged, quiet
+from twin.machine.guard import Tape, all_finite, diverged
 from twin.machine.passes import Passes
+from twin.machine.quiet import quiet
 from twin.machine.route import LOWERING_M
 from twin.machine.start import raised_rad
 from twin.machine.trajectory import Trajectory
 from twin.physics import block
 from twin.physics.block import MachineSlot
+from twin.physics.engine import radps_to_rpm
 
 DECISION_S = 0.02
 """Time between two decisions of the driver; a whole number of physics steps."""
@@ -84,6 +87,9 @@ class Cab:
         self.task = task(machine)
         self.hands = Hands(lift_rad=self.task.raised_rad)
         self.links = None if machine.hitch is None else int(model.joint("lift").qposadr[0])
+        self.brakes, self.foot = brakes(machine), Foot()
+        self.asked_radps = float(set_radps(machine, machine.throttle))
+        self.shaft = model.joint("drive").dofadr[0]
         self.passes = Passes(machine, self.batch)
         self.decisions, self.deepest_m = 0, 0.0
         self.watch, self.leg = Watch(machine, DECISION_S), self.passes.legs[0]
@@ -100,7 +106,12 @@ class Cab:
             radius = machine.numbers[f"tyre_{axle}.free_rolling_radius_m"]
             self.qvel[0, model.joint(f"{wheel}_spin").dofadr[0]] = speed / radius
         rear_m = machine.numbers["tyre_rear.free_rolling_radius_m"]
-        self.qvel[0, model.joint("drive").dofadr[0]] = speed / rear_m
+        self.qvel[0, self.shaft] = speed / rear_m
+
+    @property
+    def engine_radps(self) -> float:
+        """Speed of the engine now."""
+        return float(self.machine.scenario.drive.gear_ratio * self.qvel[0, self.shaft])
 
     def observe(self) -> Observed:
         """What the driver sees now."""
@@ -131,17 +142,18 @@ class Cab:
         self.hands = drive(self.task, self.hands, self.observe(), DECISION_S)
         if not self.machine.scenario.course.hold_line:
             self.hands = replace(self.hands, steer_rad=0.0)
+        self.foot = press(self.brakes, self.foot, self.engine_radps, self.asked_radps, DECISION_S)
         left, right = ackermann(self.hands.steer_rad, self.task.wheelbase_m, self.track_m)
         levers = self.machine.scenario.drive
         values = (
-            self.task.throttle, 0.0, 0.0, left, right, self.hands.lift_rad,
+            self.task.throttle, 0.0, self.foot.pedal, left, right, self.hands.lift_rad,
             float(levers.differential_lock and self.hands.working), float(levers.all_wheel_drive),
         )  # fmt: skip
         for name, value in zip(CONTROLS, values, strict=True):
             if name in self.controls:
                 self.ctrl[0, self.controls[name]] = value
         self.tape.keep(self.state)
-        record = self.batch.rollout(self.steps, record=("sensordata", "userdata"))
+        record = self.batch.rollout(self.steps, record=RECORDED)
         self._refuse_failure(record["userdata"])
         return record
 
@@ -188,6 +200,7 @@ class Cab:
             up_b=np.array([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]),
             rim_mps=rim_mps,
             hub_mps=hub_mps,
+            engine_rpm=radps_to_rpm(self.engine_radps),
         )
 
     def _finished(self, seen: Observed) -> tuple[Outcome, float] | None:
@@ -225,8 +238,8 @@ def simulate(machine: Machine, chunk_decisions: int = CHUNK_DECISIONS) -> Iterat
 
     The last says how the drive ended: at the end of the course, or early (`twin.machine.ends`)
     where the tractor has rolled over, left its line, got stuck on spinning wheels, slid away on
-    skidding ones or stalled: gained less than 0.25 m along a leg of the course in 5 s, whether it
-    stands, rocks or slides.
+    skidding ones, run away with an engine far above its no-load speed, or stalled: gained less
+    than 0.25 m along a leg of the course in 5 s, whether it stands, rocks or slides.
 
     Raises:
         Diverged: a state is not finite, or MuJoCo warned.

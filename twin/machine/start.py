@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.machine.ground_frame import quaternion
-from twin.machine.guard import STATE, Tape, all_finite, diverged, quiet, warning_text
+from twin.machine.guard import STATE, Tape, all_finite, diverged, warning_text
 from twin.machine.guard import Diverged as Diverged
 from twin.machine.hitch import Hitch
+from twin.machine.quiet import quiet
 from twin.physics import block
 from twin.physics.block import WheelSlot
 from twin.scenario import Scenario
@@ -23,7 +24,7 @@ Array = NDArray[np.float64]
 
 RAISED_RAD = 0.6
 """Lower-link angle without a plough, and with one that is carried unless its limit is another."""
-SETTLE_S = 4.0
+SETTLE_S = 8.0
 """Time in which the machine settles on its tyres before a run."""
 LOOK_S = 0.02
 """Time between two looks whether it is still finite."""
@@ -71,7 +72,7 @@ def settled(model: Any, qpos: Array, rotation: Array, scenario: Scenario) -> Set
             state.ctrl[actuator] = value
     _settle(model, state, scenario)
     act = np.array(state.act)
-    act[2 * len(block.WHEELS) :] = 0.0
+    act[4 * len(block.WHEELS) :] = 0.0
     slots = state.userdata[: block.MACHINE_SLOTS].reshape(len(block.WHEELS), -1)
     load_n = np.array(slots[:, WheelSlot.LOAD_N])
     rest = np.array(state.qpos)

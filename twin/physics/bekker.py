@@ -5,7 +5,9 @@ theta_1 and leaves it at 0. All displacements are made dimensionless by their sh
 
 Sources: Bekker 1969, Introduction to Terrain-Vehicle Systems; Janosi & Hanamoto 1961; Wong & Reece
 1967, J. Terramechanics 4(1):81 and 4(2):7; Bolling 1987 for the larger circle of a flexible tyre;
-Wong 2008, Theory of Ground Vehicles, chapter 2, for all of it.
+Wong 2008, Theory of Ground Vehicles, chapter 2, for all of these. Lyasko 2010, J. Terramechanics
+47(1):21 for slip sinkage; Ishigami, Nagatani & Yoshida 2007, J. Field Robotics 24(3):233 for the
+side force as shear and bulldozing.
 """
 
 from __future__ import annotations
@@ -14,8 +16,8 @@ import math
 
 import numpy as np
 
+from twin.compiled import law
 from twin.physics.block import Soil, Wheel
-from twin.physics.compiled import law
 from twin.physics.shapes import Array
 
 RIGID_NPM = 1e8
@@ -26,6 +28,8 @@ ITERATIONS = 2
 """Corrections of the sinkage before the forces are taken."""
 STEEPEST_SKID = -0.99
 """Skid beyond which the wheel counts as locked."""
+LEAST_TRAVEL = 0.01
+"""Travel over what the rim has turned, below which a spinning wheel counts as this slow."""
 
 
 def _fractions(points: int) -> tuple[Array, Array]:
@@ -104,18 +108,25 @@ def normal_stress(soil: Array, modulus: float, depth_m: float) -> float:
 
 @law
 def carried_n(
-    soil: Array, wheel: Array, deflection_m: float, z: float, peak: float, pace: float, side: float
+    soil: Array,
+    wheel: Array,
+    modulus: float,
+    deflection_m: float,
+    z: float,
+    peak: float,
+    pace: float,
+    side: float,
 ) -> float:
     """Load that stresses and shear carry at a sinkage z, by the coarse rule.
 
         W = b r integral of (sigma cos(theta) + tau_x sin(theta)) d theta
 
     Args:
-        soil, wheel, deflection_m, z, peak, pace, side: as for `arc_forces`.
+        soil, wheel, modulus, deflection_m, z, peak, pace, side: as for `arc_forces`.
     """
     radius, entry = circle(wheel, deflection_m, z)
     sine_1, cosine_1 = sine_cosine(entry)
-    modulus, c, tan_phi = sinkage_modulus(soil, wheel), soil[Soil.COHESION_PA], soil[Soil.TAN_PHI]
+    c, tan_phi = soil[Soil.COHESION_PA], soil[Soil.TAN_PHI]
     x_scale, y_scale = radius / soil[Soil.SHEAR_LONG_M], radius * side / soil[Soil.SHEAR_LAT_M]
     front, rear = entry * (1.0 - peak), entry * peak
     load = 0.0
@@ -136,6 +147,7 @@ def carried_n(
 def arc_forces(
     soil: Array,
     wheel: Array,
+    modulus: float,
     deflection_m: float,
     z: float,
     peak: float,
@@ -145,7 +157,7 @@ def arc_forces(
 ) -> tuple[float, float, float, float, float, float]:
     """Stresses along the contact arc, summed to forces.
 
-        sigma(theta) = (k_c / b + k_phi) (r (cos(theta) - cos(theta_1)))**n
+        sigma(theta) = k (r (cos(theta) - cos(theta_1)))**n
                        ahead of theta_m = peak theta_1, mirrored from there onto [0, theta_m]
         tau(theta)   = (c + sigma tan(phi)) (1 - exp(-J)) along J = (j_x / K_x, j_y / K_y)
         j_x = r (theta_1 - theta - pace (sin(theta_1) - sin(theta)))
@@ -155,6 +167,7 @@ def arc_forces(
 
     Args:
         soil, wheel: parts of the block.
+        modulus: k, the pressure at a sinkage of 1 m [Pa].
         deflection_m: of the tyre on hard ground.
         z: sinkage [m].
         peak: theta_m / theta_1.
@@ -168,7 +181,7 @@ def arc_forces(
     """
     radius, entry = circle(wheel, deflection_m, z)
     sine_1, cosine_1 = sine_cosine(entry)
-    modulus, c, tan_phi = sinkage_modulus(soil, wheel), soil[Soil.COHESION_PA], soil[Soil.TAN_PHI]
+    c, tan_phi = soil[Soil.COHESION_PA], soil[Soil.TAN_PHI]
     x_scale, y_scale = radius / soil[Soil.SHEAR_LONG_M], radius * side / soil[Soil.SHEAR_LAT_M]
     front, rear = entry * (1.0 - peak), entry * peak
     normal = pull = torque = lift = slip_x = slip_y = 0.0
@@ -199,17 +212,17 @@ def arc_forces(
 
 @law
 def first_sinkage_m(
-    soil: Array, wheel: Array, load_n: float, deflection_m: float, peak: float
+    soil: Array, wheel: Array, modulus: float, load_n: float, deflection_m: float, peak: float
 ) -> float:
     """Sinkage under the normal stress alone, on a flat arc: where the iteration begins.
 
-        W = b (k_c / b + k_phi) C z**n sqrt(D z)
+        W = b k C z**n sqrt(D z)
 
     C is the mean of (1 - x**2)**n over [peak, 1], with x in it at its mean under (1 - x)**n.
     """
     n = soil[Soil.SINKAGE_EXPONENT]
     mean = ((1.0 - peak) * (2.0 - (1.0 - peak) * (n + 1.0) / (n + 2.0))) ** n / (n + 1.0)
-    flat = load_n / (wheel[Wheel.WIDTH_M] * sinkage_modulus(soil, wheel) * mean)
+    flat = load_n / (wheel[Wheel.WIDTH_M] * modulus * mean)
     diameter = wheel[Wheel.DIAMETER_M]
     z = (flat / math.sqrt(diameter)) ** (1.0 / (n + 0.5))
     if deflection_m > 0.0:
@@ -228,9 +241,34 @@ def stiffening(soil: Array, deflection_m: float, z: float) -> float:
 
 
 @law
+def sunk_deeper(soil: Array, slip: float, side_slip: float) -> float:
+    """Sinkage of a slipping wheel over that without slip: 1 + S min(sqrt(s**2 + s_y**2), 1).
+
+    Lyasko 2010 has z = z_0 (1 + S s) of a wheel that runs straight ahead. Soil sheared sideways is
+    taken to yield as soil sheared along the wheel does.
+    """
+    size = math.sqrt(slip * slip + side_slip * side_slip)
+    return 1.0 + soil[Soil.SLIP_SINKAGE] * min(size, 1.0)
+
+
+@law
+def softened(soil: Array, modulus: float, deflection_m: float, z: float, deeper: float) -> float:
+    """Modulus with which a flat arc carries at the sinkage d z what it carried at z.
+
+        k' = k d**-n L(z) / L(d z)        L(z) = sqrt(z + f) + sqrt(f)
+
+    A rigid wheel's is k d**-(n + 1/2).
+    """
+    f = deflection_m
+    before, after = math.sqrt(z + f) + math.sqrt(f), math.sqrt(deeper * z + f) + math.sqrt(f)
+    return modulus * math.exp(-soil[Soil.SINKAGE_EXPONENT] * math.log(deeper)) * before / after
+
+
+@law
 def sinkage_m(
     soil: Array,
     wheel: Array,
+    modulus: float,
     load_n: float,
     deflection_m: float,
     first_m: float,
@@ -249,7 +287,7 @@ def sinkage_m(
     z, exponent = first_m, stiffening(soil, deflection_m, first_m)
     step = before = 0.0
     for i in range(ITERATIONS):
-        carried = carried_n(soil, wheel, deflection_m, z, peak, pace, side)
+        carried = carried_n(soil, wheel, modulus, deflection_m, z, peak, pace, side)
         missing = math.log(min(max(load_n / max(carried, 1e-3 * load_n), 0.1), 10.0))
         if i > 0 and abs(step) > 1e-6:
             chord = (before - missing) / step
@@ -260,15 +298,28 @@ def sinkage_m(
 
 
 @law
-def bulldozing_n(
-    soil: Array, wheel: Array, deflection_m: float, z: float, side_slip: float
-) -> float:
+def drift(slip: float, side_slip: float) -> float:
+    """Travel sideways over travel ahead, the tangent of the slip angle: s_y / (1 - |s|).
+
+    That of a driven wheel; a skidding one is given the same, so that the law stays odd.
+    """
+    return side_slip / max(1.0 - abs(slip), LEAST_TRAVEL)
+
+
+@law
+def bulldozing_n(soil: Array, wheel: Array, deflection_m: float, z: float, aside: float) -> float:
     """Rankine's passive earth pressure on the sunk side of a wheel, its sinkage a parabola.
 
-        F = X (4/3 c z q + 4/15 g z**2 q**2) (1 - exp(-|s_y| X / K_y)) sign(s_y)
+        F = X (4/3 c z q + 4/15 g z**2 q**2) (1 - exp(-|a| X / K_y)) sign(a)
         q = tan(45 deg + phi / 2)        X = r sin(theta_1)
 
-    with g the unit weight of the soil: called up as the lateral shear is, over the contact length.
+    with g the unit weight of the soil. It is called up as the lateral shear is, over the way the
+    wheel moves aside while it travels its contact length, a X: however fast its rim turns, it
+    pushes the soil beside it no further.
+
+    Args:
+        soil, wheel, deflection_m, z: as for `arc_forces`.
+        aside: a, travel sideways over travel ahead, as of `drift`; positive pushes to the left.
     """
     tan_phi = soil[Soil.TAN_PHI]
     q = tan_phi + math.sqrt(1.0 + tan_phi * tan_phi)
@@ -276,7 +327,7 @@ def bulldozing_n(
     reach = radius * sine_cosine(entry)[0]
     cohesion = 4.0 / 3.0 * soil[Soil.COHESION_PA] * z * q
     full = reach * (cohesion + 4.0 / 15.0 * soil[Soil.UNIT_WEIGHT_NPM3] * z * z * q * q)
-    return full * mobilised(0.0, side_slip * reach / soil[Soil.SHEAR_LAT_M])[1]
+    return full * mobilised(0.0, aside * reach / soil[Soil.SHEAR_LAT_M])[1]
 
 
 @law
@@ -293,7 +344,7 @@ def bekker(
     and against the slip; what a wheel shears by rolling alone is in M_r.
 
     A skidding wheel (s < 0) turns by w r = (1 + s) v: its arc is another one, at another sinkage,
-    than that of the driven wheel whose share, turned round, is its F_x.
+    than that of the driven wheel whose share and bulldozing, turned round, are its F_x and F_y.
 
     Args:
         soil, wheel: parameter blocks (Soil, Wheel).
@@ -308,18 +359,23 @@ def bekker(
     driven = abs(s)
     peak = min(soil[Soil.PEAK] + soil[Soil.PEAK_SLIP] * driven, 0.9)
     f = hard_deflection_m(wheel, load_n)
-    first = first_sinkage_m(soil, wheel, load_n, f, peak)
-    z = sinkage_m(soil, wheel, load_n, f, first, peak, 1.0 - driven, side_slip)
+    modulus, deeper = sinkage_modulus(soil, wheel), sunk_deeper(soil, s, side_slip)
+    first = first_sinkage_m(soil, wheel, modulus, load_n, f, peak)
+    modulus = softened(soil, modulus, f, first, deeper)
+    first = min(deeper * first, DEEPEST * 0.5 * wheel[Wheel.DIAMETER_M])
+    z = sinkage_m(soil, wheel, modulus, load_n, f, first, peak, 1.0 - driven, side_slip)
     load, normal, pull, torque, x, y = arc_forces(
-        soil, wheel, f, z, peak, 1.0 - driven, side_slip, driven
+        soil, wheel, modulus, f, z, peak, 1.0 - driven, side_slip, driven
     )
     rest = load_n / load  # of what the iteration left: the load is carried exactly
     x, y = math.copysign(rest * x, s), rest * y
-    pushed = bulldozing_n(soil, wheel, f, z, side_slip)
+    pushed = bulldozing_n(soil, wheel, f, z, drift(s, side_slip))
     if s < 0.0:
         pace, side = 1.0 / (1.0 + s), side_slip / (1.0 + s)
-        z = sinkage_m(soil, wheel, load_n, f, first, peak, pace, side)
-        load, normal, pull, torque, _x, _y = arc_forces(soil, wheel, f, z, peak, pace, side, 0.0)
+        z = sinkage_m(soil, wheel, modulus, load_n, f, first, peak, pace, side)
+        load, normal, pull, torque, _x, _y = arc_forces(
+            soil, wheel, modulus, f, z, peak, pace, side, 0.0
+        )
         rest = load_n / max(load, 0.5 * normal)
     pull, torque = rest * pull, rest * torque
     z = min(z * rest ** (1.0 / stiffening(soil, f, z)), DEEPEST * 0.5 * wheel[Wheel.DIAMETER_M])

@@ -12,7 +12,7 @@ from enum import IntEnum
 
 MAGIC = 7.714e38
 """First number of the block; a model without it is left alone, bit for bit."""
-VERSION = 3.0
+VERSION = 5.0
 WHEELS = ("fl", "fr", "rl", "rr")
 
 
@@ -68,7 +68,7 @@ class Field(IntEnum):
     HEIGHTS = 25 + 4 * 4  # a Grid: height above the plane [m]
     MIXTURE = HEIGHTS + 9  # a Grid: share of the other soil [-]
     OTHER = MIXTURE + 9  # that soil, as Soil numbers its own
-    ENVELOPES = OTHER + 23  # first node of the heights as wheels feel them, laid as HEIGHTS
+    ENVELOPES = OTHER + 24  # first node of the heights as wheels feel them, laid as HEIGHTS
     SIZE = ENVELOPES + 1
 
 
@@ -98,7 +98,8 @@ class Soil(IntEnum):
     UNIT_WEIGHT_NPM3 = 20
     PEAK = 21  # place of the greatest normal stress over the entry angle, and its growth with slip
     PEAK_SLIP = 22
-    SIZE = 23
+    SLIP_SINKAGE = 23
+    SIZE = 24
 
 
 class Wheel(IntEnum):
@@ -106,7 +107,7 @@ class Wheel(IntEnum):
 
     BODY = 0  # -1 where there is no wheel
     SPIN = 1  # address of the joint's velocity
-    TYRE = 2  # activation of the longitudinal deflection; the lateral one follows
+    TYRE = 2  # activation of the deflection along; that across and the contact's slips follow
     WIDTH_M = 3
     DIAMETER_M = 4
     DEFLECTION_RATIO = 5
@@ -122,8 +123,9 @@ class Wheel(IntEnum):
     SHEAR_LAT_NPM = 15
     SHEAR_DAMPING_LONG_SPM = 16  # and their dampers over the load
     SHEAR_DAMPING_LAT_SPM = 17
-    ENVELOPE = 18  # which of the envelopes is that of its radius
-    SIZE = 19
+    INERTIA_KGM2 = 18  # about the axle
+    ENVELOPE = 19  # which of the envelopes is that of its radius
+    SIZE = 20
 
 
 class Envelope(IntEnum):
@@ -148,12 +150,16 @@ class Engine(IntEnum):
     PARASITIC_NM = 7
     TRANSMISSION_EFFICIENCY = 8
     KIND = 9  # 0 diesel, 1 electric
-    POWER_W = 10  # of an electric motor
-    GEAR_RATIO = 11
-    FRONT_RATIO = 12  # turns of the front axle per turn of the rear
-    SHAFT = 13  # address of the drive shaft's velocity, at the rear axle's speed; -1 without one
-    THROTTLE = 14  # address of the control
-    SIZE = 15
+    MAX_POWER_W = 10  # at the crank, at any speed
+    DISPLACEMENT_M3 = 11  # of a diesel, as the stroke
+    STROKE_M = 12
+    EXHAUST_BRAKE_PA = 13  # mean effective pressure of a closed exhaust brake; 0 without one
+    REGENERATION_W = 14  # most that an electric motor takes back; 0 for a diesel
+    GEAR_RATIO = 15
+    FRONT_RATIO = 16  # turns of the front axle per turn of the rear
+    SHAFT = 17  # address of the drive shaft's velocity, at the rear axle's speed; -1 without one
+    THROTTLE = 18  # address of the control
+    SIZE = 19
 
 
 class Coupling(IntEnum):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from twin.compiled import law
 from twin.physics.block import Soil, Wheel
-from twin.physics.compiled import law
 from twin.physics.shapes import Array
 
 

@@ -15,6 +15,7 @@ from typing import Any
 import mujoco
 from numba import carray, types
 
+from twin.compiled import c_callback, law
 from twin.errors import BadInput
 from twin.physics import block, layout, memory, rigid
 from twin.physics.block import (
@@ -30,7 +31,6 @@ from twin.physics.block import (
     Wheel,
     WheelSlot,
 )
-from twin.physics.compiled import c_callback, law
 from twin.physics.contact import felt_height
 from twin.physics.coupling import twist
 from twin.physics.engine import (
@@ -303,7 +303,7 @@ def pull_plough(
         scale = draft_scale(field, soil, nodes, s, t)
         draft = draft_n(plough, scale, -above, math.sqrt(rigid.dot(velocity, velocity)))
         draft *= draft_factor(field, soil, s, t, -above)
-        draft = max(0.0, draft - relief) + rock_n(field, soil, s, t, i)
+        draft = max(0.0, draft - relief) + rock_n(field, soil, s, t, i, plough[Plough.BODY_WIDTH_M])
         before = soil_before(
             plough[Plough.SOIL_STIFFNESS_NPM], draft, (act[pressed], act[pressed + 1]),
             (moving[0], moving[1]), dt_s,

@@ -18,9 +18,9 @@ from __future__ import annotations
 
 import math
 
+from twin.compiled import law
 from twin.physics import rigid
 from twin.physics.block import Field, Grid, Wheel
-from twin.physics.compiled import law
 from twin.physics.ground import field_axis, on_nodes, smooth_step
 from twin.physics.shapes import Array, Vector
 
@@ -96,11 +96,12 @@ def ring(
 ) -> tuple[Vector, Vector, float, float, float]:
     """One of a tyre's two rings on the ground.
 
-        p = -R u + w c        delta = g - (hub + p) . n        U = k/2 delta**2 / 2
+        p = -R u + w c        delta = g(p) - (hub + p) . n        U = k/2 delta**2 / 2
         F = k/2 min(delta, R) (n - dg/ds s - dg/dt t)
 
-    n acts at p, the slopes' part at the ring's centre: a round wheel is pushed through its hub.
-    From delta = R on U grows in proportion to delta.
+    at p. Along the wheel p is under the hub, where the envelope is; of the moment only the part
+    across the axle counts, for a round wheel is pushed through its hub. From delta = R on U grows
+    in proportion to delta.
 
     Args:
         field, nodes: the ground's part of the block, and the model's hfield_data.
@@ -114,27 +115,25 @@ def ring(
         force, moment about the hub, overlap_m (0 without contact), energy_j, and the force's size.
     """
     normal, radius_m = field_axis(field, Field.NORMAL), 0.5 * wheel[Wheel.DIAMETER_M]
-    centre = rigid.scaled(aside_m, axle)
+    lowest = rigid.plus(rigid.scaled(-radius_m, up), rigid.scaled(aside_m, axle))
+    place = rigid.plus(hub, lowest)
     height, slope_s, slope_t, turned = felt_height(
-        field, nodes, int(wheel[Wheel.ENVELOPE]), rigid.plus(hub, centre), rigid.cross(axle, up)
+        field, nodes, int(wheel[Wheel.ENVELOPE]), place, rigid.cross(axle, up)
     )
-    lowest = rigid.plus(centre, rigid.scaled(-radius_m, up))
-    overlap = raised_m + height - rigid.dot(rigid.plus(hub, lowest), normal)
+    overlap = raised_m + height - rigid.dot(place, normal)
     if overlap <= 0.0:
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0, 0.0
     pressed, stiffness = min(overlap, radius_m), 0.5 * wheel[Wheel.STIFFNESS_NPM]
     energy = stiffness * pressed * (overlap - 0.5 * pressed)
     push = stiffness * pressed
-    force = rigid.scaled(push, normal)
-    moment = rigid.cross(lowest, force)
+    force, about, size = rigid.scaled(push, normal), 0.0, push
     if slope_s != 0.0 or slope_t != 0.0:
         tilt = rigid.plus(
             rigid.scaled(-slope_s, field_axis(field, Field.AHEAD)),
             rigid.scaled(-slope_t, field_axis(field, Field.LEFT)),
         )
-        tilt = rigid.scaled(push, tilt)
-        moment = rigid.plus(moment, rigid.cross(centre, tilt))
-        moment = rigid.plus(moment, rigid.scaled(-push * turned, normal))
-        force = rigid.plus(force, tilt)
-        push *= math.sqrt(1.0 + slope_s * slope_s + slope_t * slope_t)
-    return force, moment, overlap, energy, push
+        force = rigid.plus(force, rigid.scaled(push, tilt))
+        about = -push * turned
+        size *= math.sqrt(1.0 + slope_s * slope_s + slope_t * slope_t)
+    moment = rigid.plus(rigid.cross(lowest, force), rigid.scaled(about, normal))
+    return force, moment, overlap, energy, size

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from twin.compiled import law
 from twin.physics.block import Coupling
-from twin.physics.compiled import law
 from twin.physics.shapes import Array
 
 RELEASE_S = 0.1

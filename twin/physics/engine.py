@@ -1,16 +1,17 @@
-"""A diesel with a mechanical governor."""
+"""A diesel with a mechanical governor, or an electric motor with a speed controller."""
 
 from __future__ import annotations
 
 import math
 
+from twin.compiled import law
 from twin.physics.block import Engine
-from twin.physics.compiled import law
 from twin.physics.shapes import Array
 
-MOTORING_NM = 60.0
-"""Drag of the unfuelled engine beside its parasitic torque [N m]; assumed."""
 ELECTRIC = 1.0
+MOTORED_PA, MOTORED_PA_PER_RPM, MOTORED_PA_S2PM2 = 75e3, 48.0, 400.0
+"""Mean effective pressure that turns an unfuelled diesel of direct injection: at rest, per speed,
+and per square of the mean piston speed."""
 STALLED_RPM, FIRING_RPM = 300.0, 500.0
 """A diesel that is pulled below the second loses torque, and below the first has died [rpm]."""
 TURNING_RPM = 50.0
@@ -18,23 +19,61 @@ TURNING_RPM = 50.0
 
 
 @law
+def _torque_of(power_w: float, rpm: float) -> float:
+    """P / |w|."""
+    return power_w / max(abs(rpm) * math.pi / 30.0, 1e-6)
+
+
+@law
 def full_load_torque_nm(engine: Array, rpm: float) -> float:
     """Full-load torque of a diesel, or the torque limit of an electric motor.
 
-    A diesel's is a parabola through peak and rated torque, and falls to nothing at a stall.
+    A diesel's is a parabola through peak and rated torque, no more than its maximum power allows,
+    and falls to nothing at a stall.
 
-    T = T_p - (T_p - T_r) ((n - n_p) / (n_r - n_p))**2 ;  T_p = T_r rise
+    T = min(T_p - (T_p - T_r) ((n - n_p) / (n_r - n_p))**2, P_max / w) ;  T_p = T_r rise
     times clip((n - 300) / (500 - 300), 0, 1)
 
-    A motor's is T = min(T_r, P / w).
+    A motor's is T = min(T_r, P_max / |w|), or P_regenerated / |w| where it is pushed backwards.
     """
     rated = engine[Engine.RATED_TORQUE_NM]
+    most = _torque_of(engine[Engine.MAX_POWER_W], rpm)
     if engine[Engine.KIND] == ELECTRIC:
-        return min(rated, engine[Engine.POWER_W] / max(rpm * math.pi / 30.0, 1e-6))
+        if rpm < 0.0:
+            most = _torque_of(engine[Engine.REGENERATION_W], rpm)
+        return min(rated, most)
     peak = rated * engine[Engine.TORQUE_RISE]
     u = (rpm - engine[Engine.PEAK_RPM]) / (engine[Engine.RATED_RPM] - engine[Engine.PEAK_RPM])
     fuelled = min(max((rpm - STALLED_RPM) / (FIRING_RPM - STALLED_RPM), 0.0), 1.0)
-    return fuelled * max(0.0, peak - (peak - rated) * u * u)
+    return fuelled * min(max(0.0, peak - (peak - rated) * u * u), most)
+
+
+@law
+def braking_torque_nm(engine: Array, rpm: float) -> float:
+    """Most torque against its motion: of a diesel without fuel, or of a motor that regenerates.
+
+    A four-stroke diesel is turned against the mean effective pressure of its friction and gas
+    exchange, and of its exhaust brake where that is closed:
+
+        T = (p + p_exhaust) V / (4 pi)
+        p = 75 kPa + 48 kPa n / (1000 rpm) + 0.4 kPa (S / (1 m/s))**2 ;  S = 2 L n / 60
+
+    with the mean piston speed S of the stroke L and the displacement V. The oil, water and fuel
+    pumps are in it, the fan and the generator are not. An electric motor takes
+
+        T = min(T_r, P_regenerated / |w|)
+
+    Source: Millington and Hartles (SAE 680590, 1968) as Heywood (1988) quotes it for direct
+    injection; recalled, not compared with the print.
+    """
+    if engine[Engine.KIND] == ELECTRIC:
+        most = _torque_of(engine[Engine.REGENERATION_W], rpm)
+        return min(engine[Engine.RATED_TORQUE_NM], most)
+    turning = abs(rpm)
+    piston_mps = 2.0 * engine[Engine.STROKE_M] * turning / 60.0
+    pressure = MOTORED_PA + MOTORED_PA_PER_RPM * turning
+    pressure += MOTORED_PA_S2PM2 * piston_mps * piston_mps + engine[Engine.EXHAUST_BRAKE_PA]
+    return pressure * engine[Engine.DISPLACEMENT_M3] / (4.0 * math.pi)
 
 
 @law
@@ -42,15 +81,16 @@ def engine_torque_nm(engine: Array, throttle: float, rpm: float) -> float:
     """Torque of the governed engine: droop from the no-load set speed, within the full-load curve.
 
         n0 = n_idle + throttle (n_max - n_idle)
-        T  = (n0 - n) / (droop n_max / n0)      between -motoring drag and the full-load torque
+        T  = (n0 - n) / (droop n_max / n0)      between -braking torque and the full-load torque
 
     The droop grows as 1/n0 because a flyweight's force falls with the square of its speed.
+    Above n0 the fuel is shut off, and an exhaust brake that is switched on closes.
     """
     idle, top = engine[Engine.IDLE_RPM], engine[Engine.NO_LOAD_RPM]
     set_rpm = idle + throttle * (top - idle)
     droop = engine[Engine.DROOP_RPM_PER_NM] * top / set_rpm
     torque = (set_rpm - rpm) / droop
-    return min(max(torque, -MOTORING_NM), full_load_torque_nm(engine, rpm))
+    return min(max(torque, -braking_torque_nm(engine, rpm)), full_load_torque_nm(engine, rpm))
 
 
 @law

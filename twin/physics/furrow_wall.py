@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
+from twin.compiled import law
 from twin.physics import rigid
 from twin.physics.block import Field, Wheel
-from twin.physics.compiled import law
-from twin.physics.ground import field_axis
+from twin.physics.ground import field_axis, smooth_step
 from twin.physics.shapes import Array, Vector
 
 SLICE_M = 0.15
@@ -64,12 +66,14 @@ def flank_force(
 ) -> tuple[Vector, Vector, float, float, float]:
     """Push of one side of the furrow on the flank that faces it.
 
-        p = b / 2 - e . (hub - W)              e the axle, turned away from what pushes
-        F = (k D p - c D dp/dt) (e - (e . s) s)        at W, never a pull
+        e = c without its part along s, made a unit, turned away from what pushes
+        p = b / 2 - e . (hub - W)        F = w (k D p - c D dp/dt) e at W, never a pull
+        U = w k D p**2 / 2               w = q(2 (c . t)**2 - 1/2)
 
-    W is the nearest point of the side's edge, half way up its depth D, and s the way it runs. The
-    slice is loose: pressed deeper than SLICE_M it gives way, and at twice that the tyre is on it
-    and nothing pushes back. The spring's part is the gradient of k D p**2 / 2.
+    W is the nearest point of the side's edge, half way up its depth D; s is the way it runs and t
+    across it. w passes from 1 to 0 as the wheel turns across the furrow, where it has no flank to
+    it. The slice is loose: pressed deeper than SLICE_M it gives way, and at twice that the tyre is
+    on it and nothing pushes back. The spring's part is the gradient of U.
 
     Args:
         field, wheel, hub, axle, velocity, turning, depth_m: as for `wall_force`.
@@ -82,8 +86,14 @@ def flank_force(
     """
     left, along = field_axis(field, Field.LEFT), field_axis(field, Field.AHEAD)
     to_side = field[Field.FURROW_SIDE] * field[Field.PASS_WAY]
-    out = to_side * outward
-    facing = rigid.scaled(out if rigid.dot(axle, left) >= 0.0 else -out, axle)
+    across = rigid.dot(axle, left)
+    share, share_growth = smooth_step(2.0 * across * across - 0.5)
+    if share <= 0.0:
+        return NOTHING
+    flat = rigid.minus(axle, rigid.scaled(rigid.dot(axle, along), along))
+    per_size = 1.0 / math.sqrt(rigid.dot(flat, flat))
+    way = to_side * outward if across >= 0.0 else -to_side * outward
+    facing = rigid.scaled(way * per_size, flat)
     normal = field_axis(field, Field.NORMAL)
     point = rigid.plus(
         rigid.scaled(rigid.dot(hub, along), along),
@@ -94,21 +104,26 @@ def flank_force(
     )
     arm = rigid.minus(point, hub)
     pressed = 0.5 * wheel[Wheel.WIDTH_M] + rigid.dot(facing, arm)
-    if pressed <= 0.0 or (outward < 0.0 and pressed >= 2.0 * SLICE_M):
+    if pressed <= 0.0:
         return NOTHING
     spring, work = pressed, 0.5 * pressed * pressed
     if outward < 0.0 and pressed > SLICE_M:
-        spring = 2.0 * SLICE_M - pressed
+        spring = max(2.0 * SLICE_M - pressed, 0.0)
         work = SLICE_M * SLICE_M - 0.5 * spring * spring
-    direction = rigid.minus(facing, rigid.scaled(rigid.dot(facing, along), along))
-    moment = rigid.cross(arm, facing)
-    leaving = rigid.dot(direction, velocity) + rigid.dot(moment, turning)
-    stiffness = field[Field.WALL_STIFFNESS_NPM] * depth_m
-    push = max(0.0, stiffness * spring - field[Field.WALL_DAMPING_NSPM] * depth_m * leaving)
-    growth = field[Field.WALL_STIFFNESS_NPM] * work - 0.5 * stiffness * spring * rigid.dot(
-        facing, normal
-    )
+    # as the wheel turns p changes by how e does, and w too
+    turned = rigid.minus(arm, rigid.scaled(rigid.dot(facing, arm), facing))
+    moment = rigid.scaled(way * per_size, rigid.cross(turned, axle))
+    leaving = rigid.dot(facing, velocity) + rigid.dot(moment, turning)
+    stiffness = share * field[Field.WALL_STIFFNESS_NPM]
+    damping = share * field[Field.WALL_DAMPING_NSPM] * depth_m if spring > 0.0 else 0.0
+    push = max(0.0, stiffness * depth_m * spring - damping * leaving)
+    fading = share_growth * 4.0 * across * field[Field.WALL_STIFFNESS_NPM] * depth_m * work
+    about = rigid.scaled(fading, rigid.cross(left, axle))
+    growth = stiffness * (work - 0.5 * depth_m * spring * rigid.dot(facing, normal))
     return (
-        rigid.scaled(push, direction), rigid.scaled(push, moment), stiffness * work, growth,
-        -push * leaving,
-    )  # fmt: skip
+        rigid.scaled(push, facing),
+        rigid.plus(rigid.scaled(push, moment), about),
+        stiffness * depth_m * work,
+        growth,
+        -push * leaving - rigid.dot(about, turning),
+    )

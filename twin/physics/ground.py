@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from twin.compiled import law
 from twin.physics.block import Field, Grid, Soil
-from twin.physics.compiled import law
 from twin.physics.shapes import Array, Vector
 
 _MIX_X, _MIX_Y, _MIX_SEED = (
@@ -24,6 +24,8 @@ _MIX_A, _MIX_B = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 
 EDGE_M = 0.1
 """Width over which the wall of the furrow falls to its bottom [m]."""
+SLICE_SIDE_M = 0.3
+"""Width over which the turned slice rises from the furrow's bottom [m]; assumed."""
 BLEND_M = 0.5
 """Length over which one patch of soil passes into the next [m]: about that of a contact."""
 STRENGTH_LENGTH_M = 3.0
@@ -102,10 +104,11 @@ def beside_pass(field: Array, t_m: float) -> float:
 def furrow(field: Array, s_m: float, t_m: float) -> tuple[float, float, float]:
     """Height of the furrow's bottom below the field, and its slopes along the ground's axes.
 
-        h = -depth q(along) q(beyond)        q(x) = x**2 (3 - 2 x) between 0 and 1
+        h = -depth q(along) q(beyond) (1 - q(over))        q(x) = x**2 (3 - 2 x) between 0 and 1
 
-    The wheel path of the last pass: beyond its wall, from where that pass got its depth. Side and
-    start are those of this pass, which may go back against the ground's axes.
+    The wheel path of the last pass: beyond its wall and before the turned soil, which lies as high
+    as the field, from where that pass got its depth. Side and start are those of this pass, which
+    may go back against the ground's axes.
 
     Returns:
         height_m (<= 0), dh/ds, dh/dt.
@@ -118,13 +121,16 @@ def furrow(field: Array, s_m: float, t_m: float) -> tuple[float, float, float]:
     begun = (done_m - field[Field.FURROW_START_M]) / ramp_m
     left = (field[Field.FURROW_END_M] - done_m) / ramp_m + 1.0
     along, along_slope = smooth_step(min(begun, left))
-    beyond, beyond_slope = smooth_step((side * aside_m - field[Field.FURROW_EDGE_M]) / EDGE_M)
+    past_m = side * aside_m - field[Field.FURROW_EDGE_M]
+    beyond, beyond_slope = smooth_step(past_m / EDGE_M)
+    over, over_slope = smooth_step((past_m - field[Field.FURROW_WIDTH_M]) / SLICE_SIDE_M)
+    across = beyond_slope * (1.0 - over) / EDGE_M - beyond * over_slope / SLICE_SIDE_M
     depth = field[Field.FURROW_DEPTH_M]
     ahead = way if begun <= left else -way
     return (
-        -depth * along * beyond,
-        -depth * beyond * along_slope * ahead / ramp_m,
-        -depth * along * beyond_slope * side * way / EDGE_M,
+        -depth * along * beyond * (1.0 - over),
+        -depth * beyond * (1.0 - over) * along_slope * ahead / ramp_m,
+        -depth * along * across * side * way,
     )
 
 

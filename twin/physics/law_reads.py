@@ -24,6 +24,7 @@ SLOTS = {
     "unit_weight_knpm3": (Soil.UNIT_WEIGHT_NPM3,),
     "stress_peak": (Soil.PEAK,),
     "stress_peak_slip": (Soil.PEAK_SLIP,),
+    "slip_sinkage": (Soil.SLIP_SINKAGE,),
 }
 """Field of a scenario's soil -> what it sets of the block."""
 _TYPICAL = {
@@ -31,6 +32,7 @@ _TYPICAL = {
     Soil.MOBILITY_RESISTANCE: 1.0, Soil.DRAFT_SCALE: 0.7, Soil.K_C: 1e4, Soil.K_PHI: 1e6,
     Soil.SINKAGE_EXPONENT: 0.8, Soil.COHESION_PA: 1e4, Soil.TAN_PHI: 0.6, Soil.SHEAR_LONG_M: 0.05,
     Soil.SHEAR_LAT_M: 0.05, Soil.UNIT_WEIGHT_NPM3: 1.5e4, Soil.PEAK: 0.4, Soil.PEAK_SLIP: 0.15,
+    Soil.SLIP_SINKAGE: 1.0,
     Wheel.WIDTH_M: 0.467, Wheel.DIAMETER_M: 1.755, Wheel.DEFLECTION_RATIO: 0.2,
     Wheel.FREE_ROLLING_RADIUS_M: 0.85, Wheel.STIFFNESS_NPM: 3.83e5, Wheel.LATERAL_RATIO: 0.85,
     Wheel.RELAXATION_LONG_M: 0.3, Wheel.RELAXATION_LAT_M: 0.6,

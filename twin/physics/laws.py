@@ -16,18 +16,19 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numba
 import numpy as np
 from numba import carray
 
+from twin.compiled import key, law
 from twin.errors import BadInput
 from twin.lookup import attribute
 from twin.physics.bekker import bekker
 from twin.physics.block import Soil, Wheel
 from twin.physics.brixius import brixius
-from twin.physics.compiled import cache_key, law
 from twin.physics.law_table import MOST_LAWS, SIGNATURE, TABLE, call, table_pointer
 from twin.physics.shapes import Array
 from twin.soils import LAWS
@@ -73,19 +74,20 @@ def register(function: Callable[..., Forces], name: str) -> float:
         function: plain Python, or compiled by numba already.
         name: what messages call it.
     """
-    source = _source(function, name)
-    number = int(cache_key(source, name)[:12], 16)
-    known = np.flatnonzero(TABLE[:, 0] == number)
-    if not known.size:
-        free = np.flatnonzero(TABLE[:, 1] == 0)
-        if not free.size:
-            raise BadInput(f"soil law '{name}': this process knows {MOST_LAWS} laws already")
-        TABLE[free[0]] = number, _compile(function, name).address
+    number = int(key(Path(__file__), _source(function, name), name)[:12], 16)
+    rows = np.flatnonzero((TABLE[:, 0] == number) | (TABLE[:, 1] == 0))
+    if not rows.size:
+        raise BadInput(f"soil law '{name}': this process knows {MOST_LAWS} laws already")
+    known = _KNOWN.get(number)
+    if known is None or known[0] is not function:  # loaded anew, perhaps with what it imports
+        compiled = _compile(function, name)
+        _KNOWN[number] = function, compiled
+        TABLE[rows[0]] = number, compiled.address
     return float(number)
 
 
-_KEPT: list[Any] = []
-"""The compiled laws: the table holds only their addresses."""
+_KNOWN: dict[int, tuple[Any, Any]] = {}
+"""Number -> the law as it was given and as it was compiled; the table holds only addresses."""
 
 
 def _compile(function: Any, name: str) -> Any:
@@ -100,13 +102,11 @@ def _compile(function: Any, name: str) -> Any:
                 carray(soil, SOIL_SIZE), carray(wheel, WHEEL_SIZE), load, slip, side
             )
 
-        compiled = numba.cfunc(SIGNATURE)(entry)
+        return numba.cfunc(SIGNATURE)(entry)
     except Exception as error:  # whatever numba says of a user's function
         said = [n for n in str(error).splitlines() if n and not n.startswith("Failed in nopython")]
         reason = said[0] if said else type(error).__name__
         raise BadInput(f"soil law '{name}' cannot be compiled: {reason}") from None
-    _KEPT.append(compiled)
-    return compiled
 
 
 def _source(function: Any, name: str) -> str:

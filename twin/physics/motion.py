@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.compiled import law
 from twin.physics import rigid
 from twin.physics.block import WheelSlot
-from twin.physics.compiled import law
 
 Array = NDArray[np.float64]
 

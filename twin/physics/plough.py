@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from twin.compiled import law
 from twin.physics import rigid
 from twin.physics.block import Field, Plough, Soil
-from twin.physics.compiled import law
 from twin.physics.ground import RIPPLE, ROCKS, node_value, random_field
 from twin.physics.shapes import Array, Vector, Vector2
 
@@ -53,10 +53,11 @@ def draft_factor(field: Array, soil: Array, s_m: float, t_m: float, depth_m: flo
 
 
 @law
-def rock_n(field: Array, soil: Array, s_m: float, t_m: float, share: int) -> float:
+def rock_n(field: Array, soil: Array, s_m: float, t_m: float, share: int, width_m: float) -> float:
     """Extra draft of a rock in a share's way: F sin(pi x / l)**2 while it passes.
 
-    Rocks lie in cells of the share's lane, in each with the probability of its area.
+    Rocks lie in cells of the share's lane, in each with the probability of its area: its length
+    times the width of the body.
     """
     density = soil[Soil.ROCKS_PER_M2]
     if density <= 0.0:
@@ -66,7 +67,7 @@ def rock_n(field: Array, soil: Array, s_m: float, t_m: float, share: int) -> flo
     lane = 10 * math.floor(field[Field.ORIGIN_T_M] + field[Field.PASS_T_M]) + share
     seed = field[Field.SEED] + ROCKS
     chance = 0.5 + node_value(seed, int(cell), lane) / math.sqrt(12.0)
-    if chance >= density * ROCK_CELL_M * 0.35:
+    if chance >= density * ROCK_CELL_M * width_m:
         return 0.0
     where = 0.5 + node_value(seed + 1, int(cell), lane) / math.sqrt(12.0)
     start = (cell + 0.9 * where) * ROCK_CELL_M

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from twin.physics.compiled import law
+from twin.compiled import law
 from twin.physics.shapes import Array, Vector
 
 

@@ -11,3 +11,5 @@ Vector = tuple[float, float, float]
 """A vector in world axes."""
 Vector2 = tuple[float, float]
 """A vector in the ground plane."""
+Vector4 = tuple[float, float, float, float]
+"""What a tyre remembers, or its rates."""

@@ -4,26 +4,25 @@ from __future__ import annotations
 
 import math
 
+from twin.compiled import law
 from twin.physics import rigid
 from twin.physics.block import Field, PowerSlot, Soil, Wheel, WheelSlot
-from twin.physics.compiled import law
 from twin.physics.contact import RING, ring, upward
 from twin.physics.furrow_wall import wall_force
 from twin.physics.ground import field_axis, furrow, on_ground, soil_at
 from twin.physics.laws import soil_forces
-from twin.physics.shapes import Array, Vector
+from twin.physics.shapes import Array, Vector, Vector4
 
 SIGN_SPEED_MPS = 0.03
-"""Speed over which motion resistance changes sign [m/s].
+"""Speed over which motion resistance changes sign [m/s]: 1 % slip at ploughing speed is half of it.
 
-1 % slip at ploughing speed is about half.
-"""
+A moment that would turn a light wheel back within a step changes its sign over more."""
 RADIUS_PER_DEFLECTION = 1.0 / 3.0
 """Loss of rolling radius per deflection; a bias tyre's circumference shortens by a third of it."""
 LIFTED_S = 0.05
 """Time in which the deflections of a lifted wheel vanish [s]."""
-SLOWEST_MPS = 0.01
-"""Slowest travel by which slip is measured [m/s]: at rest it is not noise over noise."""
+SLOWEST_MPS = 0.05
+"""Slowest travel by which slip is reported [m/s]."""
 LEAST_SLIP = 1e-7
 """Slip at which the law's secant is taken where there is none [-]."""
 LEAST_SINE = 1e-6
@@ -44,56 +43,64 @@ def relaxed_shear(
     spin_mps: float,
     roll_mps: float,
     side_mps: float,
-    u_x: float,
-    u_y: float,
+    tread: Vector4,
     dt_s: float,
-) -> tuple[float, float, float, float, float, float, float, float]:
-    """Forces of a tyre whose tread is sprung on its carcass, and the rates of its deflections u.
+) -> tuple[float, float, float, float, float, Vector4, float]:
+    """Forces of a tyre whose tread is sprung on its carcass, and the rates of what it remembers.
 
         F = K u + N d du/dt                du/dt = v - V K u / C        C = law(s) / s
-        v = (w R - v_x, -v_y)              V = max(|w R|, |v_x|, |v_y|)        s = v / V
+        v = (w R - v_x, -v_y)              ds/dt = (v - V s) / L        V = max(|w R|, |v_x|, |v_y|)
 
-    The springs K are constant (`twin.machine.tread`); C is the law's secant at the slip of the
-    law's own definition, along and across. In steady state K u = law(s); after a
-    small change of slip u follows over the way C / K, the relaxation length: L on firm soil at the
-    nominal load, in proportion to load, and shorter as slip grows. At rest u is a spring, so a
-    parked wheel sticks. u is taken at the end of the step (implicit). |K u| never exceeds N mu, or
-    the law's own force where that is more. What is lost is K u . V K u / C, never negative, so the
-    pair returns no more than it was given. The law is asked for a wheel that rolls forwards; one
-    that rolls backwards has its forces turned round. Pacejka 2012, Tire and Vehicle Dynamics,
+    u are the deflections, s the slip that the contact has come to over its relaxation length L, by
+    which the law is asked. The springs K are constant (`twin.machine.tread`); C is the law's
+    secant along and across. In steady state s = v / V and K u = law(s); after a small change of
+    slip u follows over the way C / K, which falls as slip grows. At rest u is a spring, so a
+    parked wheel sticks. Both are taken at the end of the step (implicit). |K u| never exceeds N mu,
+    or the law's own force where that is more. What is lost is K u . V K u / C, never negative, so
+    the pair returns no more than it was given. The law is asked for a wheel that rolls forwards;
+    one that rolls backwards has its forces turned round. Pacejka 2012, Tire and Vehicle Dynamics,
     section 7.2.1, with the law's secant for his cornering stiffness.
 
+    Args:
+        soil, wheel: parts of the block.
+        load_n: N.
+        spin_mps, roll_mps, side_mps: w R, v_x, v_y.
+        tread: u along and across [m], s along and across [-].
+        dt_s: the step.
+
     Returns:
-        shear_x_n, shear_y_n, resistance_n, rolling_moment_n, sinkage_m, rate_x, rate_y [m/s],
+        shear_x_n, shear_y_n, resistance_n, rolling_moment_n, sinkage_m, rates of `tread`,
         energy_j held by the springs.
     """
     k_x, k_y = wheel[Wheel.SHEAR_LONG_NPM], wheel[Wheel.SHEAR_LAT_NPM]
+    long_m, lat_m = wheel[Wheel.RELAXATION_LONG_M], wheel[Wheel.RELAXATION_LAT_M]
     v_x, v_y = spin_mps - roll_mps, -side_mps
-    travel = max(abs(spin_mps), abs(roll_mps), abs(side_mps))
+    way_m = dt_s * max(abs(spin_mps), abs(roll_mps), abs(side_mps))
+    s_x = (tread[2] * long_m + dt_s * v_x) / (long_m + way_m)
+    s_y = (tread[3] * lat_m + dt_s * v_y) / (lat_m + way_m)
     way = 1.0 if spin_mps + roll_mps >= 0.0 else -1.0
-    per_travel = 1.0 / max(travel, SLOWEST_MPS)
-    slip, side_slip = not_zero(way * v_x * per_travel), not_zero(v_y * per_travel)
+    slip, side_slip = not_zero(way * s_x), not_zero(s_y)
     x, y, resistance, rolling, sinkage = soil_forces(soil, wheel, load_n, slip, side_slip)
     most = load_n * soil[Soil.FRICTION]
     most = max(most * most, x * x + y * y)
     secant_x, secant_y = max(x / slip, 1e-3 * load_n), max(y / side_slip, 1e-3 * load_n)
-    way_m = dt_s * travel
-    after_x = (u_x + dt_s * v_x) * (secant_x / (secant_x + way_m * k_x))
-    after_y = (u_y + dt_s * v_y) * (secant_y / (secant_y + way_m * k_y))
-    held = k_x * after_x * k_x * after_x + k_y * after_y * k_y * after_y
+    u_x = (tread[0] + dt_s * v_x) * (secant_x / (secant_x + way_m * k_x))
+    u_y = (tread[1] + dt_s * v_y) * (secant_y / (secant_y + way_m * k_y))
+    held = k_x * u_x * k_x * u_x + k_y * u_y * k_y * u_y
     if held > most:
         within = math.sqrt(most / held)
-        after_x, after_y = after_x * within, after_y * within
+        u_x, u_y = u_x * within, u_y * within
     per_step = 1.0 / dt_s
-    rate_x, rate_y = (after_x - u_x) * per_step, (after_y - u_y) * per_step
-    x = k_x * after_x + load_n * wheel[Wheel.SHEAR_DAMPING_LONG_SPM] * rate_x
-    y = k_y * after_y + load_n * wheel[Wheel.SHEAR_DAMPING_LAT_SPM] * rate_y
+    rate_x, rate_y = (u_x - tread[0]) * per_step, (u_y - tread[1]) * per_step
+    x = k_x * u_x + load_n * wheel[Wheel.SHEAR_DAMPING_LONG_SPM] * rate_x
+    y = k_y * u_y + load_n * wheel[Wheel.SHEAR_DAMPING_LAT_SPM] * rate_y
     size = x * x + y * y
     if size > most:
         within = math.sqrt(most / size)
         x, y = x * within, y * within
-    energy = 0.5 * (k_x * u_x * u_x + k_y * u_y * u_y)
-    return x, y, resistance, rolling, sinkage, rate_x, rate_y, energy
+    energy = 0.5 * (k_x * tread[0] * tread[0] + k_y * tread[1] * tread[1])
+    rates = (rate_x, rate_y, (s_x - tread[2]) * per_step, (s_y - tread[3]) * per_step)
+    return x, y, resistance, rolling, sinkage, rates, energy
 
 
 @law
@@ -179,10 +186,10 @@ def roll_wheel(
     deflection = min(overlap / upright, outer_m)
     radius = wheel[Wheel.FREE_ROLLING_RADIUS_M] - RADIUS_PER_DEFLECTION * deflection
     spin = rate * radius
-    u_x, u_y = act[tyre], act[tyre + 1]
+    tread_now = (act[tyre], act[tyre + 1], act[tyre + 2], act[tyre + 3])
     slots[WheelSlot.RATE_RADPS], slots[WheelSlot.ROLLING_RADIUS_M] = rate, radius
     slots[WheelSlot.SPEED_X_MPS], slots[WheelSlot.SPEED_Y_MPS] = roll, side
-    slots[WheelSlot.SLIP] = (spin - roll) / max(abs(spin), abs(roll), 0.05)
+    slots[WheelSlot.SLIP] = (spin - roll) / max(abs(spin), abs(roll), SLOWEST_MPS)
     powers[PowerSlot.TYRE] -= rigid.dot(force, velocity) + rigid.dot(torque, turning)
     load_l, damped_l, taken_l = damped(push_l, half_c, tread, aside_m, axle, normal,
                                        velocity, turning)  # fmt: skip
@@ -209,7 +216,8 @@ def roll_wheel(
         slots[WheelSlot.WALL_N] = rigid.dot(wall, left)
     if load <= 1.0:
         slots[WheelSlot.TREAD_SPEED_Y_MPS] = side
-        rates[tyre], rates[tyre + 1] = -u_x / LIFTED_S, -u_y / LIFTED_S
+        for i in range(4):
+            rates[tyre + i] = -act[tyre + i] / LIFTED_S
         return force, without(torque, axle)
     shift = aside_m * (
         rigid.dot(force_l, normal) + load_l - rigid.dot(force_r, normal) - load_r
@@ -218,12 +226,16 @@ def roll_wheel(
     slip_side = side + rigid.dot(rigid.cross(turning, meeting), left)
     slots[WheelSlot.TREAD_SPEED_Y_MPS] = slip_side
     soil_at(field, soil, nodes, s, t, here)
-    x, y, resistance, rolling, sinkage, rates[tyre], rates[tyre + 1], sheared_j = relaxed_shear(
-        here, wheel, load, spin, roll, slip_side, u_x, u_y, dt_s
+    x, y, resistance, rolling, sinkage, changes, sheared_j = relaxed_shear(
+        here, wheel, load, spin, roll, slip_side, tread_now, dt_s
     )
+    for i in range(4):
+        rates[tyre + i] = changes[i]
     slots[WheelSlot.ELASTIC_J] += sheared_j
     resistance *= smooth_sign(roll, SIGN_SPEED_MPS)
-    moment = rolling * radius * smooth_sign(spin, SIGN_SPEED_MPS)
+    width = 2.0 * dt_s * abs(rolling) * radius * radius / wheel[Wheel.INERTIA_KGM2]
+    moment = rolling * radius * smooth_sign(spin, max(SIGN_SPEED_MPS, width))
+    resistance, moment = without_gain(resistance, roll, moment, rate)
     slots[WheelSlot.LOAD_N], slots[WheelSlot.DEFLECTION_M] = load, deflection
     slots[WheelSlot.SHEAR_X_N], slots[WheelSlot.SHEAR_Y_N] = x, y
     slots[WheelSlot.RESISTANCE_N], slots[WheelSlot.ROLLING_MOMENT_NM] = resistance, moment
@@ -235,6 +247,25 @@ def roll_wheel(
     force = rigid.plus(force, rigid.plus(rigid.scaled(x - resistance, ahead), across))
     torque = without(rigid.plus(torque, rigid.cross(meeting, across)), axle)
     return force, rigid.plus(torque, rigid.scaled(-x * radius - moment, axle))
+
+
+@law
+def without_gain(
+    resistance: float, roll_mps: float, moment: float, rate_radps: float
+) -> tuple[float, float]:
+    """Motion resistance at the hub and moment on the wheel that together take no less than nothing.
+
+    On a soft soil the law may push a wheel that turns; it takes that from the wheel's rotation, and
+    no more, also while the contact's slip is still another than the wheel's.
+    """
+    at_hub, on_wheel = resistance * roll_mps, moment * rate_radps
+    if at_hub + on_wheel >= 0.0:
+        return resistance, moment
+    if at_hub < 0.0 and on_wheel < 0.0:
+        return 0.0, 0.0
+    if at_hub < 0.0:
+        return resistance * on_wheel / -at_hub, moment
+    return resistance, moment * at_hub / -on_wheel
 
 
 @law

@@ -22,7 +22,7 @@ POWERS = {
     "tyres, furrow wall": ("power_tyre_w", "power_wall_w", "power_depth_wheel_w"),
     "engine's own": ("power_parasitic_w",),
     "transmission": ("power_transmission_w", "power_driveline_w", "power_brake_w"),
-    "hitch, steering": ("power_joint_w", "power_lift_w", "power_steer_w"),
+    "hitch, steering": ("power_joint_w", "power_lift_w", "power_steer_w", "power_contact_w"),
 }
 """What is drawn of the power balance, from the terms of truth."""
 

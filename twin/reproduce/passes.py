@@ -23,7 +23,7 @@ SETTLING_M = 5.0
 """Distance after full depth before a pass counts."""
 LOSSES = (
     "parasitic", "transmission", "driveline", "brake", "slip_long", "slip_lat", "rolling",
-    "tyre", "wall", "drawbar", "depth_wheel", "joint", "lift", "steer",
+    "tyre", "wall", "drawbar", "depth_wheel", "joint", "lift", "steer", "contact", "step",
 )  # fmt: skip
 
 

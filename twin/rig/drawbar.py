@@ -1,4 +1,4 @@
-"""The drawbar rig: the tractor pulls a load that grows slowly, on level ground."""
+"""The drawbar rig: the tractor pulls loads that are held while it runs steadily, on the level."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from twin.errors import BadInput, check_range
 from twin.machine.simulate import DECISION_S, Cab
 from twin.physics.block import MachineSlot, WheelSlot
-from twin.rig.tractor import drive, mean, statics, tractor
+from twin.rig.tractor import Seen, drive, mean, statics, tractor
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import towed, wheel
-from twin.scenario import Soil
+from twin.scenario import Drive, Soil
 
 Array = NDArray[np.float64]
 
@@ -22,10 +22,15 @@ HITCH_M = 0.45
 """Height of the pull above the ground [m]: that of a drawbar; assumed."""
 ROLLING_S = 4.0
 """Time in which the tractor gets up to its speed before it is loaded [s]."""
-POINT_S = 1.0
-"""Time over which one point is averaged [s]: a few bounces."""
-RAMP_NPS = 100.0
-"""Growth of the pull [N/s]; at 30 % slip the tractor's inertia then hides 0.3 % of it."""
+STEP_N = 500.0
+"""Pull from one point to the next [N]."""
+SETTLING_S, HOLD_S = 1.0, 5.0
+"""Time before a point, and time over which it is averaged, the pull held [s]."""
+STEADY = 2e-3
+"""Most that speed and slip may change from one half of a hold to the other: speed relative to
+itself. What the tractor then stores or gives back is below 0.3 % of its power."""
+MOST_HOLDS = 4
+"""So often a point is held anew where it is not steady yet; a load it cannot pull never is."""
 STANDING_MPS = 0.1
 LIFTED_N = 500.0
 ITERATIONS = 5
@@ -34,7 +39,7 @@ ITERATIONS = 5
 
 @dataclass(frozen=True, kw_only=True)
 class DrawbarCurve:
-    """What the drawbar rig measured, one value per second of the ramp. Shape (n,)."""
+    """What the drawbar rig measured, one value per hold. Shape (n,)."""
 
     pull_n: Array
     slip: Array
@@ -44,6 +49,9 @@ class DrawbarCurve:
     rear_load_n: Array
     axle_torque_nm: Array
     """What the gears give the rear axle."""
+    engine_rpm: Array
+    crank_power_w: Array
+    """Torque times speed of the engine."""
 
     @property
     def drawbar_power_w(self) -> Array:
@@ -57,63 +65,91 @@ class DrawbarCurve:
 
 
 def drawbar(
-    soil: Soil, *, hitch_m: float = HITCH_M, ramp_nps: float = RAMP_NPS, most_slip: float = 0.40
+    soil: Soil,
+    *,
+    hitch_m: float = HITCH_M,
+    first_n: float = STEP_N,
+    step_n: float = STEP_N,
+    most_slip: float = 0.40,
+    gear: Drive | None = None,
 ) -> DrawbarCurve:
-    """Pull against slip of the tractor by a load ramp; rear-wheel drive, differential locked.
+    """Pull against slip of the tractor by loads that are held; rear-wheel drive, lock engaged.
 
-    The pull is horizontal, against the course, and grows so slowly that inertia does not count.
-    The test ends at `most_slip`, or where the tractor stalls or its front axle lifts.
+    The pull is horizontal, against the course. Each is held for a second and then for 5 s over
+    which it is read, and held on while the speed of its two halves differs: nothing that the
+    tractor stores counts as work. The test ends at `most_slip`, where the tractor does not hold a
+    load, or where its front axle lifts.
 
     Args:
         soil: what lies under it, the same everywhere.
         hitch_m: height of the pull above the ground.
-        ramp_nps: growth of the pull [N/s].
+        first_n: the first load [N].
+        step_n: load from one point to the next [N].
         most_slip: slip at which the test ends.
+        gear: gear and governor setting; None for a scenario's.
 
     Raises:
         OutOfRange: an argument outside what can be tested.
         BadInput: the tractor cannot pull at all on this soil.
     """
     check_range("hitch_m", hitch_m, 0.1, 1.2)
-    check_range("ramp_nps", ramp_nps, 20.0, 1000.0)
+    check_range("first_n", first_n, 100.0, 50e3)
+    check_range("step_n", step_n, 100.0, 5000.0)
     check_range("most_slip", most_slip, 0.05, 0.9)
-    cab = Cab(tractor("rig-drawbar", soil))
+    cab = Cab(tractor("rig-drawbar", soil, gear=gear))
     drive(cab, ROLLING_S)
     points: list[tuple[float, ...]] = []
-    while not points or _goes_on(points[-1], most_slip):
-        points.append(_point(cab, hitch_m, ramp_nps, POINT_S * len(points)))
+    while not points or points[-1][1] < most_slip:
+        pull_n = first_n + step_n * len(points)
+        held = _held(cab, hitch_m, pull_n)
+        if held is None:
+            break
+        points.append((pull_n, *_read(held)))
     if len(points) < 3:
-        raise BadInput(f"the tractor does not pull {ramp_nps * POINT_S:g} N on this soil")
-    pull, slip, speed, front, rear, torque = np.array(points).T
+        raise BadInput(f"the tractor does not pull {first_n + 2.0 * step_n:g} N on this soil")
+    pull, slip, speed, front, rear, torque, rpm, crank = np.array(points).T
     return DrawbarCurve(
         pull_n=pull, slip=slip, speed_mps=speed, front_load_n=front, rear_load_n=rear,
-        axle_torque_nm=torque,
+        axle_torque_nm=torque, engine_rpm=rpm, crank_power_w=crank,
     )  # fmt: skip
 
 
-def _point(cab: Cab, hitch_m: float, ramp_nps: float, start_s: float) -> tuple[float, ...]:
-    """Drive one point of the ramp; pull, slip, speed, front and rear load, axle torque."""
-    decisions = round(POINT_S / DECISION_S)
-    times = start_s + DECISION_S * np.arange(1, decisions + 1)
+def _held(cab: Cab, hitch_m: float, pull_n: float) -> Seen | None:
+    """The mean over a hold that is steady; None for a load that the tractor does not hold."""
+    _drawn(cab, hitch_m, pull_n, SETTLING_S)
+    for _ in range(MOST_HOLDS):
+        first, second = (_drawn(cab, hitch_m, pull_n, 0.5 * HOLD_S) for _ in range(2))
+        before, after = _read(first), _read(second)
+        speed_mps, front_n = after[1], after[2]
+        if speed_mps < STANDING_MPS or front_n < LIFTED_N:
+            return None
+        if abs(speed_mps - before[1]) < STEADY * speed_mps and abs(after[0] - before[0]) < STEADY:
+            return mean([first, second])
+    return None
+
+
+def _drawn(cab: Cab, hitch_m: float, pull_n: float, seconds: float) -> Seen:
+    """Drive on against a pull; the mean. Its line is kept while the body pitches."""
     seen = []
-    for time_s in times:
-        _pull(cab, hitch_m, ramp_nps * float(time_s))
+    for _ in range(round(seconds / DECISION_S)):
+        _pull(cab, hitch_m, pull_n)
         seen += drive(cab, DECISION_S)
-    average = mean(seen)
-    rear, load = average.wheels[2:], average.wheels[:, WheelSlot.LOAD_N]
+    return mean(seen)
+
+
+def _read(seen: Seen) -> tuple[float, ...]:
+    """Slip, speed, front and rear load, axle torque, engine speed and power."""
+    rear, load, machine = seen.wheels[2:], seen.wheels[:, WheelSlot.LOAD_N], seen.machine
+    engine_radps = float(machine[MachineSlot.ENGINE_RADPS])
     return (
-        float(ramp_nps * times.mean()),
         float(rear[:, WheelSlot.SLIP].mean()),
         float(rear[:, WheelSlot.SPEED_X_MPS].mean()),
         float(load[:2].sum()),
         float(load[2:].sum()),
-        float(average.machine[MachineSlot.AXLE_TORQUE_NM]),
+        float(machine[MachineSlot.AXLE_TORQUE_NM]),
+        engine_radps * 30.0 / np.pi,
+        engine_radps * float(machine[MachineSlot.ENGINE_TORQUE_NM]),
     )
-
-
-def _goes_on(point: tuple[float, ...], most_slip: float) -> bool:
-    _, slip, speed, front, _, _ = point
-    return slip < most_slip and speed > STANDING_MPS and front > LIFTED_N
 
 
 def _pull(cab: Cab, hitch_m: float, pull_n: float) -> None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from twin.palette import PICTURE, SEA, TRUTH_COLOUR, colours
 from twin.rig.drawbar import DrawbarCurve
+from twin.rig.gears import Gears
 from twin.rig.park import Creep
 from twin.rig.slope import CrabAngles
 from twin.rig.wheel import Free, WheelCurve
@@ -99,7 +100,7 @@ def drawbar(curve: DrawbarCurve, slips: Array, expected_n: Array, title: str, pa
         figure.suptitle(title, x=0.01, ha="left", fontsize=10.5)
         palette = colours(("pull", "power", "rear", "front"))
         slip = 100 * curve.slip
-        left.plot(slip, curve.pull_n / 1e3, color=palette["pull"], label="load ramp")
+        left.plot(slip, curve.pull_n / 1e3, color=palette["pull"], label="loads held")
         left.plot(
             100 * slips, expected_n / 1e3, "o", color=TRUTH_COLOUR, ms=4,
             label="wheel rig and weight transfer",
@@ -111,6 +112,31 @@ def drawbar(curve: DrawbarCurve, slips: Array, expected_n: Array, title: str, pa
         power = curve.drawbar_power_w / 1e3
         right.plot(slip, power, color=palette["power"], label="drawbar power [kW]")
         right.set(title="loads and power", xlabel="slip of the rear axle [%]", ylim=(0.0, None))
+        right.legend()
+        figure.savefig(path)
+
+
+def gears(found: Gears, title: str, path: Path) -> None:
+    """Drawbar power, pull, slip and fuel of each gear against the speed reached."""
+    with mpl.rc_context(PICTURE):
+        figure = Figure(figsize=(9.6, 3.4), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        figure.suptitle(title, x=0.01, ha="left", fontsize=10.5)
+        palette = colours(("drawbar power", "crank power", "pull", "slip", "fuel"))
+        speed_kmh = 3.6 * found.speed_mps
+        for name, values in (
+            ("crank power", found.crank_power_w),
+            ("drawbar power", found.drawbar_power_w),
+        ):
+            left.plot(speed_kmh, values / 1e3, "o-", color=palette[name], label=f"{name} [kW]")
+        left.set(title="greatest steady power", xlabel="speed [km/h]", ylim=(0.0, None))
+        left.legend()
+        for name, values, unit in (
+            ("pull", found.pull_n / 1e3, "kN"), ("slip", 100 * found.slip, "%"),
+            ("fuel", found.fuel_lph, "L/h"),
+        ):  # fmt: skip
+            right.plot(speed_kmh, values, "o-", color=palette[name], label=f"{name} [{unit}]")
+        right.set(title="at that power", xlabel="speed [km/h]", ylim=(0.0, None))
         right.legend()
         figure.savefig(path)
 

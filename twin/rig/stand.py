@@ -61,14 +61,18 @@ def stand(
     inertias["spin"] = mass_kg * sizes[Wheel.FREE_ROLLING_RADIUS_M] ** 2
     _add_bodies(spec, inertias, 0.5 * sizes[Wheel.DIAMETER_M])
     tyre = _actuator(spec, "tyre", "spin", dyntype=mujoco.mjtDyn.mjDYN_USER, gain=0.0)
-    tyre.actdim = 2
+    tyre.actdim = 4
     _actuator(spec, "lift", "up", gain=1.0)
     for joint in held:
         _servo(spec, joint, inertias[joint])
     spec.nuserdata = block.RATE_SLOTS + 16
     spec.add_numeric(name="tractor_twin", size=block.SIZE, data=[0.0] * block.SIZE)
     model = spec.compile()
-    own = {Wheel.DAMPING_NSPM: heave_kg * HEAVE_RADPS, Wheel.NOMINAL_LOAD_N: load_n}
+    own = {
+        Wheel.DAMPING_NSPM: heave_kg * HEAVE_RADPS,
+        Wheel.NOMINAL_LOAD_N: load_n,
+        Wheel.INERTIA_KGM2: inertias["spin"],
+    }
     tyre = {**sizes, **own}
     model.numeric_data[-block.SIZE :] = _block(model, tyre | tread_part(tyre), soil, radial)
     return model

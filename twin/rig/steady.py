@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 
 SEATING_S = 0.4
 """Time in which the wheel sinks onto its tyre before the spin is set by its rolling radius [s]."""
-RELAXATION_LENGTHS = 14.0
-"""Distance run before reading, in the tyre's longest relaxation length: exp(-14) is 1e-6."""
+RELAXATION_LENGTHS = 16.0
+"""Distance run before reading, in the tyre's longest relaxation length: exp(-16) is 1e-7."""
 STEADY = 1e-3
 """Most that a force may change over the last tenth of the run, over the load."""
 

@@ -15,7 +15,7 @@ from twin.machine.simulate import DECISION_S, Cab
 from twin.machine.start import refuse_warnings
 from twin.physics import block
 from twin.physics.block import WheelSlot
-from twin.scenario import Course, Field, Scenario, Soil
+from twin.scenario import Course, Drive, Field, Scenario, Soil
 
 Array = NDArray[np.float64]
 
@@ -36,11 +36,18 @@ class Statics:
     rear_hub_m: float
 
 
-def tractor(name: str, soil: Soil, shape: Field | None = None) -> Machine:
+def tractor(
+    name: str, soil: Soil, shape: Field | None = None, gear: Drive | None = None
+) -> Machine:
     """The machine without a plough, on soil that is the same everywhere."""
     homogeneous = dataclasses.replace(soil, strength_cv=0.0)
     course = Course(approach_m=1.0, length_m=5000.0)
-    return build(Scenario(name=name, soil=homogeneous, field=shape or Field(), course=course))
+    return build(
+        Scenario(
+            name=name, soil=homogeneous, field=shape or Field(), course=course,
+            drive=gear or Drive(),
+        )
+    )  # fmt: skip
 
 
 def statics(soil: Soil) -> Statics:

@@ -259,7 +259,7 @@ def _points(*values: ArrayLike) -> tuple[Array, Array, Array]:
 
 def _check_load(load_n: Array, sizes: Mapping[Wheel, float]) -> None:
     for value in load_n:
-        check_range("load_n", float(value), 50.0, 2e5)
+        check_range("load_n", float(value), 5.0, 2e5)
     most_n = MOST_DEFLECTION * 0.5 * sizes[Wheel.DIAMETER_M] * sizes[Wheel.STIFFNESS_NPM]
     if load_n.max() > most_n:
         raise BadInput(

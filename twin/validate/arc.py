@@ -16,7 +16,9 @@ from twin.soils import Deformable
 class Arc:
     """Wong & Reece's stresses with Janosi & Hanamoto's shear, straight ahead.
 
-    sigma = (k_c / b + k_phi) z**n, greatest at theta_m = (c_1 + c_2 |s|) theta_1
+    sigma = k z**n, greatest at theta_m = (c_1 + c_2 |s|) theta_1
+    k     = (k_c / b + k_phi) (1 + S |s|)**-(n + 1/2), which a flat arc needs to sink 1 + S |s|
+            times as deep under its load
     tau   = (c + sigma tan(phi)) (1 - exp(-j / K))
     """
 
@@ -31,7 +33,8 @@ class Arc:
         ahead = theta if theta >= peak else entry - theta / peak * (entry - peak)
         depth = max(0.0, r * (math.cos(ahead) - math.cos(entry)))
         modulus = 1e3 * (soil.k_c_kn_per_m_n1 / self.width_m + soil.k_phi_kn_per_m_n2)
-        sigma = modulus * depth**soil.sinkage_exponent
+        n, deeper = soil.sinkage_exponent, 1.0 + soil.slip_sinkage * abs(self.slip)
+        sigma = modulus * deeper ** -(n + 0.5) * depth**n
         j = r * (entry - theta - (1.0 - self.slip) * (math.sin(entry) - math.sin(theta)))
         strength = 1e3 * soil.cohesion_kpa + sigma * math.tan(math.radians(soil.friction_angle_deg))
         return sigma, math.copysign(strength * -math.expm1(-abs(j) / soil.shear_modulus_m), j)

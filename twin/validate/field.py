@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-import mujoco
 import numpy as np
 from joblib import delayed
 from numpy.typing import NDArray
@@ -14,14 +13,13 @@ from twin import truth
 from twin.machine.build import build
 from twin.machine.simulate import simulate
 from twin.many import many
-from twin.physics import block
-from twin.physics.block import MachineSlot, WheelSlot
 from twin.reproduce import plough_field
 from twin.reproduce.passes import NO_SENSORS
+from twin.rig.drawbar import drawbar
+from twin.rig.gears import gears
 from twin.rig.tractor import statics
 from twin.scenario import Drive, Scenario, Soil
 from twin.sensors import Gnss, gnss
-from twin.validate.by_hand import hold, rolling, wheels
 from twin.validate.check import Check, within
 
 Array = NDArray[np.float64]
@@ -106,37 +104,49 @@ def _made(row: dict[str, Any], words: Words) -> Check:
 
 ENGINE_KW = 103.0
 """Fu et al., table 1."""
-JD_4250 = "John Deere 4250, Nebraska tests 1458 and 1475: 107.4 kW engine, 5332 kg"
+DEERE = (
+    "John Deere 4250 and 4450, Nebraska tests 1458, 1475, 1459 and 1476: 75.6, 79.3, 87.6, 89.6 kW "
+    "at the drawbar on concrete from engines of 107.4 and 118 kW, .70 to .76"
+)
 
 
 def drawbar_power() -> list[Check]:
-    """The bare tractor at full throttle on a hard road, beside a tractor of its size."""
-    soil = Soil(preset="asphalt", strength_cv=0.0)
-    pulls, speeds, slips, engine_w = _pulled(soil, gear_ratio=48.0)
-    best = int(np.argmax(pulls * speeds))
-    power_kw = 1e-3 * pulls[best] * speeds[best]
-    firm = Soil(strength_cv=0.0)
-    pull_n, _, slip, _ = _pulled(firm, gear_ratio=90.0)
-    at_15 = float(np.interp(0.15, slip, pull_n))
+    """The bare tractor at full throttle on a hard road in eight gears, beside two of its kind."""
+    found = gears(Soil(preset="asphalt"))
+    best = int(np.argmax(found.drawbar_power_w))
+    power_w = float(found.drawbar_power_w[best])
+    where = f"held loads on asphalt, best of {len(found.gear_kmh)} gears"
+    firm = Soil()
+    curve = drawbar(firm, gear=Drive(gear_ratio=90.0, engine_set_rpm=2400.0), most_slip=0.2)
+    at_15 = float(np.interp(0.15, curve.slip, curve.pull_n))
     weight = statics(firm).weight_n
     return [
         within(
-            "full throttle on asphalt", "greatest drawbar power over rated engine power",
-            power_kw / ENGINE_KW, "1", low=0.63, high=0.81, reference=0.72, grade="measured",
-            source=f"{JD_4250}: 75.6 and 79.3 kW at the drawbar, .70 and .74",
-            why="another tractor, ballasted, on concrete: its ratio within an eighth is context",
+            where, "greatest steady drawbar power over maximum engine power",
+            1e-3 * power_w / ENGINE_KW, "1", low=0.70, high=0.78, reference=0.73,
+            grade="measured", source=DEERE,
+            why="other tractors, ballasted: their ratio, and a few per cent above it",
+            note="by gear, as rated without slip: .30 at 4 km/h, .37 at 5, .44 at 6, .51 at 7, .61 "
+            "at 8.5, .70 at 10, .73 at 12, .74 at 15; up to 8.5 km/h the slip of 15 % ends the "
+            "test. The load ramp that was here before read .81: it counted what the slowing engine "
+            "gave back as work",
         ),
         within(
-            "full throttle on asphalt", "drawbar over crank power there",
-            1e3 * power_kw / engine_w[best], "1", low=0.62, high=0.82, reference=0.75,
-            source=f"{JD_4250}: .84 to .89 of the take-off's power, less about a tenth to the "
-            "take-off", grade="assumed",
-            why="the share that the take-off's own drive loses is assumed",
+            where, "drawbar over crank power there", power_w / float(found.crank_power_w[best]),
+            "1", low=0.62, high=0.82, reference=0.75, grade="assumed",
+            source="John Deere 4250: .84 to .89 of the take-off's power, less about a tenth to the "
+            "take-off", why="the share that the take-off's own drive loses is assumed",
         ),
         within(
-            "full throttle on asphalt", "slip at greatest drawbar power", slips[best], "1",
-            low=0.01, high=0.15, source="OECD code 2: at most 15 % on concrete", grade="published",
+            where, "slip there", float(found.slip[best]), "1", low=0.01, high=0.15,
+            source="OECD code 2: at most 15 % on concrete", grade="published",
             why="where a test would have been valid",
+        ),
+        within(
+            where, "greatest crank power over maximum engine power",
+            1e-3 * float(found.crank_power_w.max()) / ENGINE_KW, "1", low=0.95, high=1.01,
+            source="Fu et al., table 1: 103 kW", grade="published",
+            why="full load between peak and rated speed, and nowhere more than stated",
         ),
         within(
             "firm field, rear-wheel drive", "pull at 15 % slip over weight", at_15 / weight, "1",
@@ -145,38 +155,6 @@ def drawbar_power() -> list[Check]:
             "al.)", why="soils of CI 900 to 1200 kPa",
         ),
     ]  # fmt: skip
-
-
-def _pulled(soil: Soil, gear_ratio: float) -> tuple[Array, Array, Array, Array]:
-    """Pull, speed, slip and crank power in a load ramp at full throttle, one a second."""
-    drive = Drive(gear_ratio=gear_ratio, engine_set_rpm=2376.0)
-    machine = build(Scenario(name="validate-pull", soil=soil, drive=drive))
-    model, state = machine.model, rolling(machine)
-    body, steps = model.body("tractor").id, round(0.1 / model.opt.timestep)
-    hold(machine, state, throttle=machine.throttle, differential_lock=1.0)
-    mujoco.mj_step(model, state, round(4.0 / model.opt.timestep))
-    rows: list[list[float]] = []
-    pull_n = 0.0
-    while pull_n < 60e3 and (not rows or (rows[-1][2] < 0.3 and rows[-1][1] > 0.3)):
-        seen = []
-        for _ in range(10):
-            pull_n += 40.0
-            state.xfrc_applied[body, 0] = -pull_n
-            state.xfrc_applied[body, 4] = -pull_n * (0.45 - state.xipos[body, 2])
-            mujoco.mj_step(model, state, steps)
-            seen.append([pull_n, *_motion(state)])
-        rows.append(np.mean(seen, axis=0).tolist())
-    pulls, speeds, slips, power = np.array(rows).T
-    return pulls, speeds, slips, power
-
-
-def _motion(state: Any) -> tuple[float, float, float]:
-    """Speed and slip of the rear wheels, crank power."""
-    rear = wheels(state)[2:]
-    machine = state.userdata[block.MACHINE_SLOTS : block.POWER_SLOTS]
-    crank_w = machine[MachineSlot.ENGINE_RADPS] * machine[MachineSlot.ENGINE_TORQUE_NM]
-    speed, slip = rear[:, WheelSlot.SPEED_X_MPS].mean(), rear[:, WheelSlot.SLIP].mean()
-    return float(speed), float(slip), float(crank_w)
 
 
 LOG = {1: 0.0098, 2: 0.0135, 3: 0.0144, 20: 0.0162}

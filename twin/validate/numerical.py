@@ -78,7 +78,7 @@ def _steered(machine: Machine, step_ms: float) -> Array:
         model.opt.timestep = kept
     w, x, y, z = state.qpos[3:7]
     heading = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-    act, slip = np.array(state.act[:8]).reshape(4, 2), wheels(state)[:, WheelSlot.SLIP]
+    act, slip = np.array(state.act[:16]).reshape(4, 4), wheels(state)[:, WheelSlot.SLIP]
     place = float(np.hypot(state.qpos[0], state.qpos[1]))
     return np.array([place, heading, act[2:, 0].mean(), act[:, 1].mean(), slip[2:].mean()])
 

@@ -8,7 +8,19 @@ from typing import Any
 from joblib import delayed
 
 from twin.many import many
-from twin.validate import analytic, field, handling, instruments, numerical, terrain, traction
+from twin.validate import (
+    analytic,
+    downhill,
+    field,
+    handling,
+    instruments,
+    numerical,
+    roll,
+    slides,
+    small_wheel,
+    terrain,
+    traction,
+)
 from twin.validate.check import Check
 
 LAYERS = {
@@ -27,13 +39,18 @@ TASKS: tuple[tuple[str, Callable[[], list[Check]]], ...] = (
     ("analytic", analytic.drawbar_pull),
     ("analytic", analytic.crab_angle),
     ("analytic", analytic.parking),
+    ("analytic", downhill.downhill),
     ("analytic", handling.yaw_response),
+    ("analytic", roll.roll_mode),
     ("table", traction.brixius_table),
     ("table", traction.top_efficiency),
     ("table", traction.towed_wheel),
     ("table", traction.bekker_arc),
+    ("table", small_wheel.small_wheel),
     ("laws", traction.law_against_law),
     ("field", field.drawbar_power),
+    ("field", slides.slides_set),
+    ("prediction", slides.slide_foretold),
     ("numerical", numerical.halved_step),
     ("numerical", numerical.order_of_accuracy),
     ("numerical", numerical.settling),

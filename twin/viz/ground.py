@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from twin.scenario import FURROW_SIDES
 from twin.streams import Table
+from twin.viz.bodies import Bodies
 from twin.viz.paths import FURROW, GROUND
 from twin.viz.tools import every, position_w, times
 
@@ -20,12 +21,11 @@ Array = NDArray[Any]
 
 CELL_M, FAR_CELL_M, FINE_M, FAR_M = 0.3, 3.0, 7.0, 45.0
 """Mesh near the path and beyond it, and how far each reaches."""
-BODY_WIDTH_M, BODIES = 0.35, 4
-SHARES_M = (-1.75, -2.6, -3.45, -4.3)
-"""Where the shares stand along the body, the one beside the furrow first."""
 FURROW_AT_M, FURROW_WIDTH_M = 0.72, 0.45
 """Wall and width of the last furrow beside the line, as drawn."""
 SHALLOWEST_M, STRIPS_HZ, LEAN_RAD = 0.05, 2.0, 0.6
+SLICE_HALF_WIDTH = 0.61
+"""Half the width of a slice, as it leans, over that of its body."""
 COLOURS = {"asphalt": (104, 104, 108), "gravel": (150, 141, 128), "grass": (118, 142, 84)}
 SOIL, OTHER, WET, TURNED = (176, 152, 118), (118, 96, 76), (140, 122, 104), (104, 77, 54)
 
@@ -37,6 +37,8 @@ class Ground:
     world_from_ground: Array = field(default_factory=lambda: np.eye(3))
     maps: Mapping[str, Any] = field(default_factory=dict)
     """`heights` and `mixture`, each with `at(s_m, t_m)`."""
+    bodies: Bodies | None = None
+    """Those of the plough that turns it over; None where none is known, and nothing is turned."""
 
     def surface_w(self, s_m: Array, t_m: Array, above_m: Array | float = 0.0) -> Array:
         """Points of the surface, lifted by `above_m`. Shape (n, 3)."""
@@ -73,10 +75,11 @@ def log_ground(recording: rr.RecordingStream, truth: Table, scenario: Any, groun
         edges_m = walls_m + side * np.array([0.0, 0.04, FURROW_WIDTH_M, FURROW_WIDTH_M + 0.05])
         t_m = np.unique(np.concatenate([t_m, edges_m.ravel()]))
     s, t = np.meshgrid(s_m, t_m, indexing="ij")  # (n, m)
+    width_m = 1.0 if ground.bodies is None else ground.bodies.width_m  # nothing is cut without
     triangles = rr.Mesh3D.from_fields(triangle_indices=_triangles(len(s_m), len(t_m)))
     recording.log(GROUND, triangles, static=True)
     for k in range(max(1, len(found))):
-        lifted_m = _lifted_m(scenario, side, found[: k + 1], s, t)
+        lifted_m = _lifted_m(scenario, side, found[: k + 1], width_m, s, t)
         points = ground.surface_w(s, t, lifted_m)  # (n, m, 3)
         recording.send_columns(
             GROUND,
@@ -98,8 +101,9 @@ def cuts(moments: Table, scenario: Any, ground: Ground) -> tuple[int, list[Cut]]
     """
     plough = getattr(scenario, "plough", None)
     side = FURROW_SIDES.get(getattr(plough, "furrow", "none"), 0)
-    if plough is None or side == 0:
+    if plough is None or side == 0 or ground.bodies is None:
         return 0, []
+    first_m = ground.bodies.ahead_m[0]
     local = position_w(moments) @ ground.world_from_ground
     deep = moments.get("depth_m", np.zeros(len(local))) > SHALLOWEST_M
     edges = np.flatnonzero(np.diff(deep.astype(int), prepend=0, append=0))  # in, out, in, out, ...
@@ -110,7 +114,7 @@ def cuts(moments: Table, scenario: Any, ground: Ground) -> tuple[int, list[Cut]]
         wall_m = t_m + side * FURROW_AT_M
         found.append(Cut(from_ns=start_ns, wall_m=wall_m, low_m=low_m, high_m=high_m))
         start_ns = int(moments["epoch_ns"][last - 1])
-        low_m, high_m = float(s_m.min()) + SHARES_M[0], float(s_m.max()) - SHARES_M[0]
+        low_m, high_m = float(s_m.min()) + first_m, float(s_m.max()) - first_m
     if not found:  # the plough never came down
         found = [Cut(from_ns=start_ns, wall_m=side * FURROW_AT_M, low_m=low_m, high_m=high_m)]
     return side, found
@@ -118,8 +122,10 @@ def cuts(moments: Table, scenario: Any, ground: Ground) -> tuple[int, list[Cut]]
 
 def log_furrow(recording: rr.RecordingStream, truth: Table, scenario: Any, ground: Ground) -> None:
     """Turned slices behind the shares, which stay as time passes."""
+    if ground.bodies is None:
+        return
     moments = every(truth, STRIPS_HZ)
-    rows, centre, half_m, xyzw = slices(moments, scenario, ground)
+    rows, centre, half_m, xyzw = slices(moments, scenario, ground, ground.bodies)
     if not len(rows):
         return
     recording.send_columns(
@@ -128,18 +134,21 @@ def log_furrow(recording: rr.RecordingStream, truth: Table, scenario: Any, groun
         rr.Boxes3D.columns(
             centers=centre.reshape(-1, 3), half_sizes=half_m.reshape(-1, 3),
             quaternions=xyzw.reshape(-1, 4),
-        ).partition([BODIES] * len(rows)),
+        ).partition([ground.bodies.count] * len(rows)),
     )  # fmt: skip
     style = rr.Boxes3D.from_fields(colors=[[*TURNED, 255]], fill_mode="solid")
     recording.log(FURROW, style, static=True)
 
 
-def slices(moments: Table, scenario: Any, ground: Ground) -> tuple[Array, Array, Array, Array]:
+def slices(
+    moments: Table, scenario: Any, ground: Ground, bodies: Bodies
+) -> tuple[Array, Array, Array, Array]:
     """What the shares turned over between moments, each slice leaning on the one before.
 
     Returns:
         rows: of the moments in which the plough is in the ground. Shape (n,).
-        centre, half sizes, quaternion xyzw of each slice. Shapes (n, 4, 3), (n, 4, 3), (n, 4, 4).
+        centre, half sizes, quaternion xyzw of each slice. Shapes (n, m, 3), (n, m, 3), (n, m, 4)
+            for m bodies.
     """
     rows = np.flatnonzero(moments.get("depth_m", np.zeros(1)) > SHALLOWEST_M)
     place = (position_w(moments) @ ground.world_from_ground)[rows]
@@ -148,20 +157,21 @@ def slices(moments: Table, scenario: Any, ground: Ground) -> tuple[Array, Array,
     side = base * np.where(
         np.cos(yaw[rows] - yaw[0]) > 0.0, 1.0, -1.0
     )  # turned over on the way back
-    yaw, number = yaw[rows], np.arange(BODIES)
-    aside_m = side[:, None] * (0.5 * (BODIES + 1) - number) * BODY_WIDTH_M  # towards the furrow
-    ahead_m = np.array(SHARES_M)
+    yaw, count = yaw[rows], bodies.count
+    number = 0.5 * (count + 1) - np.arange(count)  # the slice lies one width beside its body
+    aside_m = side[:, None] * number * bodies.width_m  # towards the furrow
+    ahead_m = np.array(bodies.ahead_m)
     s = place[:, :1] + np.cos(yaw)[:, None] * ahead_m - np.sin(yaw)[:, None] * aside_m
     t = place[:, 1:2] + np.sin(yaw)[:, None] * ahead_m + np.cos(yaw)[:, None] * aside_m
     reach_m = 0.6 * np.abs(moments["speed_mps"][rows]) / STRIPS_HZ + 0.05
-    half_m = np.empty((len(rows), BODIES, 3))
-    half_m[:] = np.array([0.0, 0.215, 0.07])
+    half_m = np.empty((len(rows), count, 3))
+    half_m[:] = np.array([0.0, SLICE_HALF_WIDTH * bodies.width_m, 0.07])
     half_m[..., 0] = reach_m[:, None]
     if not len(rows):
-        return rows, np.empty((0, BODIES, 3)), half_m, np.empty((0, BODIES, 4))
+        return rows, np.empty((0, count, 3)), half_m, np.empty((0, count, 4))
     leaning = Rotation.from_euler("ZX", np.stack([yaw, -LEAN_RAD * side], axis=1))
     turned = (Rotation.from_matrix(ground.world_from_ground) * leaning).as_quat()  # (n, 4)
-    xyzw = np.repeat(turned[:, None], BODIES, axis=1)
+    xyzw = np.repeat(turned[:, None], count, axis=1)
     return rows, ground.surface_w(s, t, 0.05), half_m, xyzw
 
 
@@ -184,9 +194,11 @@ def _nodes(places: Array, field_beyond: bool, margin_m: float) -> Array:
     return np.concatenate([below, near, above])
 
 
-def _lifted_m(scenario: Any, side: int, found: list[Cut], s: Array, t: Array) -> Array:
+def _lifted_m(
+    scenario: Any, side: int, found: list[Cut], width_m: float, s: Array, t: Array
+) -> Array:
     """Height of the ground above the field as it was: open furrow, and ridges of turned soil."""
-    ridges = 0.05 * np.sin(2.0 * np.pi * t / BODY_WIDTH_M) + 0.03 * np.sin(3.1 * s + 5.0 * t)
+    ridges = 0.05 * np.sin(2.0 * np.pi * t / width_m) + 0.03 * np.sin(3.1 * s + 5.0 * t)
     lifted = np.zeros_like(s)
     for cut in found:
         along = np.clip((s - cut.low_m) / 3.0, 0.0, 1.0) * np.clip((cut.high_m - s) / 3.0, 0.0, 1.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from twin.runfolder import RunLike
 from twin.streams import Setup, Streams, Table
 from twin.viz import forces, plots, scene, tracks
 from twin.viz.blueprint import logged, simulated
+from twin.viz.bodies import bodies
 from twin.viz.events import drive_events, events, log_events
 from twin.viz.ground import Ground, log_furrow, log_ground
 from twin.viz.paths import APPLICATION, WORLD
@@ -40,12 +42,14 @@ def record(
         run: with truth (pose and joint columns).
         path: the .rrd file.
         model: compiled mujoco.MjModel whose visual geoms are drawn; None draws the path alone.
-        ground: what it drives on; None is a level plane.
+        ground: what it drives on; None is a level plane. Its plough's bodies are the model's.
         control: a controller's actions, and the terms `reward_<term>` of what they earned.
     """
     truth, streams, scenario = run.truth, run.streams, run.scenario
     assert truth is not None, "a simulated run has its truth"
     ground = ground or Ground()
+    if model is not None and ground.bodies is None:
+        ground = replace(ground, bodies=bodies(model))
     frames = getattr(run, "frames", None)
     screen = simulated(
         truth, streams, run.setup, scenario, frames=bool(frames), control=bool(control)

@@ -1,0 +1,13 @@
+"""500 control steps to the bit."""
+
+import pytest
+from env.test_bits import repeats_itself
+
+from twin.env import IDS
+from twin.env.observations import MODES
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("name", IDS)
+def test_500_steps(name, mode):
+    repeats_itself(name, mode, 500)
