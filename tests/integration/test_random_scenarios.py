@@ -90,6 +90,8 @@ RANGES = {
 }  # fmt: skip
 """Every field with its choices (tuple of names or flags), or its range (two floats). Places are
 drawn where five seconds can reach them."""
+HITCHED = tuple(RANGES[Plough])[4:]
+"""How the hitch is set, drawn from a stream of its own."""
 MAY_FOLLOW_PRESET = tuple(f.name for f in dataclasses.fields(Soil) if f.default is None)
 EDGE_SHARE = 0.15
 """Share of numbers drawn at an end of their range."""
@@ -125,8 +127,9 @@ def soil(rng):
     return Soil(**values | {"law": law, "preset": preset})
 
 
-def simple(rng, kind):
-    return {n: drawn(rng, c) for n, c in RANGES[kind].items() if isinstance(c, tuple)}
+def simple(rng, kind, leaving=()):
+    choices = RANGES[kind].items()
+    return {n: drawn(rng, c) for n, c in choices if isinstance(c, tuple) and n not in leaving}
 
 
 def patch(rng, ground):
@@ -148,6 +151,8 @@ def scenario(seed):
         TwinError: what was drawn cannot be.
     """
     rng = np.random.default_rng(seed)
+    own = np.random.default_rng((seed, 1))
+    hitched = {name: drawn(own, RANGES[Plough][name]) for name in HITCHED}
     machine = drawn(rng, RANGES[Scenario]["machine"])
     ploughs = machine != "electric_tractor" and rng.random() < 0.7
     course = simple(rng, Course) | {"approach_m": drawn(rng, (0.0, 20.0)) * rng.integers(2)}
@@ -167,7 +172,7 @@ def scenario(seed):
         machine=machine,
         soil=ground,
         field=Field(**field, patches=patches, other_soil=soil(rng)),
-        plough=Plough(**simple(rng, Plough)) if ploughs else None,
+        plough=Plough(**simple(rng, Plough, HITCHED) | hitched) if ploughs else None,
         drive=Drive(**drive),
         course=Course(**course),
         timestep_s=drawn(rng, STEPS_S),
