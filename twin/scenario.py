@@ -340,7 +340,7 @@ class Plough:
         if self.hitch in DRAFT_MODES and self.deepest_m < self.depth_m:
             raise OutOfRange(
                 "plough.deepest_m", f"{self.deepest_m:g}",
-                f"[{self.depth_m:g}, 0.4]: not above plough.depth_m",
+                f"[{self.depth_m:g}, 0.4]: no shallower than plough.depth_m",
             )  # fmt: skip
         if self.front_ballast_kg is not None:
             check_range("plough.front_ballast_kg", self.front_ballast_kg, 0.0, 1000.0)
