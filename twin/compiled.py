@@ -60,6 +60,14 @@ def law(function: Callable[P, R]) -> Callable[P, R]:
     return _njit(function, error_model="numpy")
 
 
+def inlined_law(function: Callable[P, R]) -> Callable[P, R]:
+    """A `law` that becomes part of its caller: small, or called once in the step's hot path.
+
+    Calls with arrays and tuples cost tens of nanoseconds, a twentieth of the physics step together.
+    """
+    return _njit(function, error_model="numpy", forceinline=True)
+
+
 def c_callback(signature: Any) -> Callable[[Callable[..., Any]], Any]:
     """Compile a function to a C function, with its `address`, at once."""
 

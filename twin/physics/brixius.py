@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from twin.compiled import law
+from twin.compiled import inlined_law
 from twin.physics.block import Soil, Wheel
 from twin.physics.shapes import Array
 
 
-@law
+@inlined_law
 def mobility(soil: Array, wheel: Array, load_n: float) -> float:
     """Mobility number of a tyre on a soil.
 
@@ -22,7 +22,7 @@ def mobility(soil: Array, wheel: Array, load_n: float) -> float:
     return soil[Soil.CONE_INDEX_KPA] * 1e3 * b * d / load_n * bracket
 
 
-@law
+@inlined_law
 def brixius(
     soil: Array, wheel: Array, load_n: float, slip: float, side_slip: float
 ) -> tuple[float, float, float, float, float]:

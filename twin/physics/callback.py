@@ -199,20 +199,20 @@ def roll_depth_wheel(
     xmat: Array,
     cvel: Array,
     com: Array,
-    cdof: Array,
-    parent: Any,
-    passive: Array,
     slots: Array,
     powers: Array,
     nodes: Array,
-) -> Vector:
-    """Forces of the ground on the plough's depth wheel, at its hub; their drag, world axes.
+) -> tuple[Vector, Vector, Vector]:
+    """Force of the ground on the plough's depth wheel, its moment, and its drag; world axes.
 
     The wheel stands upright whatever the plough does, so nothing turns it over.
+
+    Returns:
+        force, moment about the centre of mass that MuJoCo's velocities refer to, drag.
     """
     field, plough = parameters[FIELD:SOIL], parameters[PLOUGH:]
     wheel, frame = int(parameters[Head.DEPTH_WHEEL_BODY]), int(parameters[Head.PLOUGH_BODY])
-    root, dof = memory.ints(model, BODY_ROOTID)[frame], last_dof(model, frame)
+    root = memory.ints(model, BODY_ROOTID)[frame]
     hub, normal = rigid.row3(xpos, wheel), field_axis(field, Field.NORMAL)
     across = rigid.axis(xmat, frame, 1)
     axle = rigid.unit(rigid.minus(across, rigid.scaled(rigid.dot(across, normal), normal)))
@@ -237,14 +237,11 @@ def roll_depth_wheel(
     velocity = rigid.point_velocity(cvel, com, wheel, root, hub)
     pressing, drag, load = depth_wheel_force(plough, spring, velocity, normal)
     total = rigid.plus(pressing, drag)
-    rigid.push(passive, cdof, parent, dof, com, root, hub, total, (0.0, 0.0, 0.0))
     powers[PowerSlot.DEPTH_WHEEL] = -rigid.dot(pressing, velocity)
     powers[PowerSlot.DRAWBAR] -= rigid.dot(drag, velocity)
     slots[MachineSlot.DEPTH_WHEEL_N] = load
     slots[MachineSlot.ELASTIC_J] += energy
-    for i in range(3):
-        slots[MachineSlot.DRAFT_X_N + i] += total[i]
-    return drag
+    return total, rigid.cross(rigid.minus(hub, rigid.row3(com, root)), total), drag
 
 
 @law
@@ -272,18 +269,19 @@ def pull_plough(
     field, soil = parameters[FIELD:SOIL], parameters[SOIL:WHEEL]
     plough, frame = parameters[PLOUGH:], int(parameters[Head.PLOUGH_BODY])
     root, dof = memory.ints(model, BODY_ROOTID)[frame], last_dof(model, frame)
-    normal, none = field_axis(field, Field.NORMAL), (0.0, 0.0, 0.0)
+    normal, centre = field_axis(field, Field.NORMAL), rigid.row3(com, root)
     left = rigid.axis(xmat, frame, 1)
     left = rigid.unit(rigid.minus(left, rigid.scaled(rigid.dot(left, normal), normal)))
     ahead = rigid.cross(left, normal)
     land = rigid.scaled(1.0 if field[Field.FURROW_SIDE] <= 0.0 else -1.0, left)
     bodies = int(plough[Plough.BODIES])
-    drag = roll_depth_wheel(
-        model, parameters, xpos, xmat, cvel, com, cdof, parent, passive, slots, powers, nodes
+    total, moment, drag = roll_depth_wheel(
+        model, parameters, xpos, xmat, cvel, com, slots, powers, nodes
     )
     relief = max(0.0, -rigid.dot(drag, ahead)) / bodies
 
     depth_sum = landside_sum = 0.0
+    per_step = 1.0 / dt_s
     for i in range(bodies):
         at, pressed = Plough.SHARES + 3 * i, int(plough[Plough.SOIL]) + 2 * i
         tip = rigid.to_world(xpos, xmat, frame, (plough[at], plough[at + 1], plough[at + 2]))
@@ -308,24 +306,22 @@ def pull_plough(
             plough[Plough.SOIL_STIFFNESS_NPM], draft, (act[pressed], act[pressed + 1]),
             (moving[0], moving[1]), dt_s,
         )  # fmt: skip
-        rates[pressed] = (before[0] - act[pressed]) / dt_s
-        rates[pressed + 1] = (before[1] - act[pressed + 1]) / dt_s
+        rates[pressed] = (before[0] - act[pressed]) * per_step
+        rates[pressed + 1] = (before[1] - act[pressed + 1]) * per_step
         pull, landside = share_force(plough, draft, before, moving)
         force = rigid.plus(
             rigid.scaled(pull[0], ahead),
             rigid.plus(rigid.scaled(pull[1], land), rigid.scaled(pull[2], normal)),
         )
-        rigid.push(passive, cdof, parent, dof, com, root, point, force, none)
+        total = rigid.plus(total, force)
+        moment = rigid.plus(moment, rigid.cross(rigid.minus(point, centre), force))
         powers[PowerSlot.DRAWBAR] -= rigid.dot(force, velocity)
         landside_sum += landside
         square = before[0] * before[0] + before[1] * before[1]
         slots[MachineSlot.ELASTIC_J] += 0.5 * plough[Plough.SOIL_STIFFNESS_NPM] * square
         depth_sum -= above
-        for k in range(3):
-            slots[MachineSlot.DRAFT_X_N + k] += force[k]
-    total = (
-        slots[MachineSlot.DRAFT_X_N], slots[MachineSlot.DRAFT_Y_N], slots[MachineSlot.DRAFT_Z_N]
-    )  # fmt: skip
+    rigid.push(passive, cdof, parent, dof, com, root, centre, total, moment)
+    slots[MachineSlot.DRAFT_X_N], slots[MachineSlot.DRAFT_Y_N], slots[MachineSlot.DRAFT_Z_N] = total
     slots[MachineSlot.DRAFT_N] = -rigid.dot(total, ahead)
     slots[MachineSlot.SIDE_N] = rigid.dot(total, left)
     slots[MachineSlot.LANDSIDE_N] = landside_sum

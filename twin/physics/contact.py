@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 
-from twin.compiled import law
+from twin.compiled import inlined_law
 from twin.physics import rigid
 from twin.physics.block import Field, Grid, Wheel
 from twin.physics.ground import field_axis, on_nodes, smooth_step
@@ -33,7 +33,7 @@ TURNED_FROM, TURNED_OVER = 0.1, 0.8
 along the ground to that across it."""
 
 
-@law
+@inlined_law
 def upward(axle: Vector, normal: Vector) -> tuple[Vector, float]:
     """u, the direction in the wheel's plane nearest to the normal, and u . n.
 
@@ -45,7 +45,7 @@ def upward(axle: Vector, normal: Vector) -> tuple[Vector, float]:
     return rigid.scaled(1.0 / upright, across), upright
 
 
-@law
+@inlined_law
 def felt_height(
     field: Array, nodes: Array, envelope: int, place: Vector, along: Vector
 ) -> tuple[float, float, float, float]:
@@ -83,7 +83,7 @@ def felt_height(
     )
 
 
-@law
+@inlined_law
 def ring(
     field: Array,
     nodes: Array,

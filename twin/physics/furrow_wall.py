@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from twin.compiled import law
+from twin.compiled import inlined_law
 from twin.physics import rigid
 from twin.physics.block import Field, Wheel
 from twin.physics.ground import field_axis, smooth_step
@@ -15,7 +15,7 @@ SLICE_M = 0.15
 NOTHING = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0, 0.0)
 
 
-@law
+@inlined_law
 def wall_force(
     field: Array,
     wheel: Array,
@@ -52,7 +52,7 @@ def wall_force(
     )  # fmt: skip
 
 
-@law
+@inlined_law
 def flank_force(
     field: Array,
     wheel: Array,

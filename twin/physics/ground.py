@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from twin.compiled import law
+from twin.compiled import inlined_law, law
 from twin.physics.block import Field, Grid, Soil
 from twin.physics.shapes import Array, Vector
 
@@ -72,7 +72,7 @@ def random_field(seed: float, x_m: float, y_m: float, length_m: float) -> float:
     return total / math.sqrt(w00 * w00 + w10 * w10 + w01 * w01 + w11 * w11)
 
 
-@law
+@inlined_law
 def on_ground(field: Array, point: Vector) -> tuple[float, float, float]:
     """A world point in the ground's frame: s along, t left, h above the plane [m]."""
     return (
@@ -88,19 +88,19 @@ def on_ground(field: Array, point: Vector) -> tuple[float, float, float]:
     )
 
 
-@law
+@inlined_law
 def field_axis(field: Array, which: int) -> Vector:
     """A unit vector of the ground's frame, by its place in the block (AHEAD, LEFT, NORMAL)."""
     return (field[which], field[which + 1], field[which + 2])
 
 
-@law
+@inlined_law
 def beside_pass(field: Array, t_m: float) -> float:
     """Distance to the left of the pass's line, as seen by who drives it [m]."""
     return field[Field.PASS_WAY] * (t_m - field[Field.PASS_T_M])
 
 
-@law
+@inlined_law
 def furrow(field: Array, s_m: float, t_m: float) -> tuple[float, float, float]:
     """Height of the furrow's bottom below the field, and its slopes along the ground's axes.
 
@@ -134,7 +134,7 @@ def furrow(field: Array, s_m: float, t_m: float) -> tuple[float, float, float]:
     )
 
 
-@law
+@inlined_law
 def smooth_step(x: float) -> tuple[float, float]:
     """x**2 (3 - 2 x) between 0 and 1, and its derivative."""
     if x <= 0.0:
@@ -144,7 +144,7 @@ def smooth_step(x: float) -> tuple[float, float]:
     return x * x * (3.0 - 2.0 * x), 6.0 * x * (1.0 - x)
 
 
-@law
+@inlined_law
 def node(i: int, count: int, repeats: bool) -> int:
     """Number of a node beyond the border: its repetition, or the border's own."""
     if 0 <= i < count:
@@ -172,7 +172,7 @@ def on_map(
     return on_nodes(field, which, int(field[which + Grid.FIRST]), nodes, s_m, t_m)
 
 
-@law
+@inlined_law
 def on_nodes(
     field: Array, which: int, first: int, nodes: Array, s_m: float, t_m: float
 ) -> tuple[float, float, float]:
@@ -217,7 +217,7 @@ def on_nodes(
     return field[which + Grid.LOW] + scale * value, slope * along_s, slope * along_t
 
 
-@law
+@inlined_law
 def soil_at(field: Array, soil: Array, nodes: Array, s_m: float, t_m: float, out: Array) -> None:
     """The soil's numbers at a place: the map's other soil, patches, and strength that varies.
 

@@ -23,7 +23,7 @@ import numba
 import numpy as np
 from numba import carray
 
-from twin.compiled import key, law
+from twin.compiled import inlined_law, key
 from twin.errors import BadInput
 from twin.lookup import attribute
 from twin.physics.bekker import bekker
@@ -38,7 +38,7 @@ Forces = tuple[float, float, float, float, float]
 SOIL_SIZE, WHEEL_SIZE = int(Soil.SIZE), int(Wheel.SIZE)
 
 
-@law
+@inlined_law
 def soil_forces(
     soil: Array, wheel: Array, load_n: float, slip: float, side_slip: float
 ) -> tuple[float, float, float, float, float]:

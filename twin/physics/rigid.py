@@ -5,17 +5,17 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from twin.compiled import law
+from twin.compiled import inlined_law
 from twin.physics.shapes import Array, Vector
 
 
-@law
+@inlined_law
 def dot(a: Vector, b: Vector) -> float:
     """a . b"""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@law
+@inlined_law
 def cross(a: Vector, b: Vector) -> Vector:
     """a x b"""
     return (
@@ -25,43 +25,43 @@ def cross(a: Vector, b: Vector) -> Vector:
     )
 
 
-@law
+@inlined_law
 def scaled(k: float, a: Vector) -> Vector:
     """k a"""
     return (k * a[0], k * a[1], k * a[2])
 
 
-@law
+@inlined_law
 def plus(a: Vector, b: Vector) -> Vector:
     """a + b"""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
-@law
+@inlined_law
 def minus(a: Vector, b: Vector) -> Vector:
     """a - b"""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
-@law
+@inlined_law
 def unit(a: Vector) -> Vector:
     """a / |a|"""
     return scaled(1.0 / math.sqrt(dot(a, a)), a)
 
 
-@law
+@inlined_law
 def row3(array: Array, i: int) -> Vector:
     """Row i of an (n, 3) array as a tuple."""
     return (array[i, 0], array[i, 1], array[i, 2])
 
 
-@law
+@inlined_law
 def axis(xmat: Array, body: int, k: int) -> Vector:
     """Axis k of a body's frame, in world coordinates."""
     return (xmat[body, k], xmat[body, 3 + k], xmat[body, 6 + k])
 
 
-@law
+@inlined_law
 def to_world(xpos: Array, xmat: Array, body: int, point_b: Vector) -> Vector:
     """World position of a point given in a body's frame."""
     return (
@@ -80,13 +80,13 @@ def to_world(xpos: Array, xmat: Array, body: int, point_b: Vector) -> Vector:
     )
 
 
-@law
+@inlined_law
 def angular_velocity(cvel: Array, body: int) -> Vector:
     """Angular velocity of a body, world axes."""
     return (cvel[body, 0], cvel[body, 1], cvel[body, 2])
 
 
-@law
+@inlined_law
 def point_velocity(cvel: Array, com: Array, body: int, root: int, point: Vector) -> Vector:
     """Velocity of a world point that moves with a body.
 
@@ -96,7 +96,7 @@ def point_velocity(cvel: Array, com: Array, body: int, root: int, point: Vector)
     return plus(linear, cross(angular_velocity(cvel, body), minus(point, row3(com, root))))
 
 
-@law
+@inlined_law
 def push(
     force_out: Array,
     cdof: Array,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from twin.compiled import law
+from twin.compiled import inlined_law, law
 from twin.physics import rigid
 from twin.physics.block import Field, PowerSlot, Soil, Wheel, WheelSlot
 from twin.physics.contact import RING, ring, upward
@@ -29,13 +29,13 @@ LEAST_SINE = 1e-6
 """Of the angle between axle and ground normal, below which a wheel has no way ahead."""
 
 
-@law
+@inlined_law
 def smooth_sign(speed: float, width: float) -> float:
     """speed / sqrt(speed**2 + width**2)"""
     return speed / math.sqrt(speed * speed + width * width)
 
 
-@law
+@inlined_law
 def relaxed_shear(
     soil: Array,
     wheel: Array,
@@ -103,13 +103,13 @@ def relaxed_shear(
     return x, y, resistance, rolling, sinkage, rates, energy
 
 
-@law
+@inlined_law
 def not_zero(slip: float) -> float:
     """The slip, kept off zero by LEAST_SLIP with its sign, so that a secant exists."""
     return slip + LEAST_SLIP if slip >= 0.0 else slip - LEAST_SLIP  # also of a negative zero
 
 
-@law
+@inlined_law
 def way_ahead(axle: Vector, normal: Vector) -> Vector:
     """Unit vector in the ground along which a wheel rolls: (c x n) / |c x n|."""
     across = rigid.cross(axle, normal)
@@ -249,7 +249,7 @@ def roll_wheel(
     return force, rigid.plus(torque, rigid.scaled(-x * radius - moment, axle))
 
 
-@law
+@inlined_law
 def without_gain(
     resistance: float, roll_mps: float, moment: float, rate_radps: float
 ) -> tuple[float, float]:
@@ -268,7 +268,7 @@ def without_gain(
     return resistance, moment * at_hub / -on_wheel
 
 
-@law
+@inlined_law
 def damped(
     pushed_n: float,
     damping_nspm: float,
@@ -299,7 +299,7 @@ def damped(
     return force, rigid.scaled(force, rigid.cross(arm, normal)), -force * rising
 
 
-@law
+@inlined_law
 def without(vector: Vector, axle: Vector) -> Vector:
     """The part of a moment across the axle: v - (v . c) c."""
     return rigid.minus(vector, rigid.scaled(rigid.dot(vector, axle), axle))
