@@ -66,8 +66,8 @@ NOT_VALIDATED = """\
   assumed. He has one gear for a run and does not shift down.
 * **Fuel.** The law is a mean of many tractors, in power and speed of the engine; the rows hold it
   against two runs of one other tractor and the range of ploughing elsewhere. What the take-off's
-  drive leaves of the crank's power is assumed, engine speeds below half of the rated one are outside
-  the law, and an idling engine takes less than it says.
+  drive leaves of the crank's power is assumed. Engine speeds below half of the rated one are
+  outside the law, and an idling engine takes less than it says.
 * **Repeated passes.** Ruts and compaction under earlier wheels are not simulated. Brixius' law
   knows no sinkage, and slip sinkage only as the part of its motion resistance that grows with slip.
 * **Weather, moisture, residue** have no model: a soil is a set of constants with random variation.
