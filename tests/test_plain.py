@@ -40,6 +40,11 @@ def test_an_unknown_field_is_named() -> None:
         from_plain(Scenario, {"sead": 3})
 
 
+def test_an_unknown_field_of_what_may_be_absent_is_named() -> None:
+    with pytest.raises(BadInput, match="Plough has no field 'deapth_m'; there are: "):
+        from_plain(Scenario, {"plough": {"deapth_m": 0.2}})
+
+
 def test_what_the_dataclass_refuses_stays_refused() -> None:
     plain = to_plain(replace(STUB))
     plain["soil"]["friction"] = 9.0

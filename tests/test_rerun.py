@@ -107,6 +107,10 @@ def test_signals_are_repeated_too(tmp_path):
         ('{"name": "x", "machine": "taishan_1404a", "soil": {"frixion": 1}}', "frixion"),
         ('{"name": "x", "machine": "taishan_1404a", "soil": {"friction": 9}}', "soil.friction = 9"),
         (
+            '{"name": "x", "machine": "taishan_1404a", "sensors": {"machine": {"power_w": 9}}}',
+            "Bus has no field 'power_w'",
+        ),
+        (
             '{"name": "x", "machine": "taishan_1404a", "soil": {"numbers": {"about": "", '
             '"name": "firm", "cone_index_kpa": 900, "slip_rate": 1e9}}}',
             "soil.numbers.slip_rate",

@@ -28,7 +28,7 @@ def trajectory(n=501, **columns):
         "load_n": (4,), "shear_x_n": (4,), "wheel_angle_rad": (4,), "draft_n": (), "depth_m": (),
         "depth_wheel_n": (), "plough_side_n": (), "power_engine_w": (), "power_lift_w": (),
         "kinetic_j": (), "potential_j": (),
-        "engine_radps": (), "engine_torque_nm": (), "axle_torque_nm": (),
+        "engine_radps": (), "engine_torque_nm": (), "fuel_lph": (), "axle_torque_nm": (),
         "fl_steer_rad": (), "fr_steer_rad": (), "front_swing_rad": (), "hitch_rad": (),
         "plough_pitch_rad": (),
     }  # fmt: skip

@@ -148,7 +148,7 @@ WITNESSES: dict[str, dict[str, object]] = {
         "sensors.depth.inclination_bias_rad": 0.01,
         "sensors.machine.rate_hz": 20.0, "sensors.machine.latency_s": 0.02,
         "sensors.machine.latency_jitter_s": 0.004, "sensors.machine.reference_torque_nm": 500.0,
-        "sensors.machine.rated_power_w": 8e4, "sensors.machine.lower_link_m": 0.8,
+        "sensors.machine.lower_link_m": 0.8,
         "sensors.machine.steer_sd_rad": 0.02, "sensors.machine.draft_pin_sd_n": 900.0,
         "sensors.machine.axle_torque_sd_nm": 300.0, "sensors.machine.steer_bias_rad": 0.02,
         "sensors.machine.draft_pin_scale_error": 0.1,

@@ -67,15 +67,19 @@ def _shaped(hint: Any, value: Any) -> Any:
     return value
 
 
-def _has_fields(member: Any, names: Mapping[str, Any]) -> bool:
-    is_type = isinstance(member, type) and dataclasses.is_dataclass(member)
-    return is_type and set(names) <= {f.name for f in dataclasses.fields(member)}
+def _unknown(member: Any, names: Mapping[str, Any]) -> int:
+    """How many of the names are no fields of a dataclass."""
+    return len(set(names) - {f.name for f in dataclasses.fields(member)})
 
 
 def _member(members: tuple[Any, ...], value: Any) -> Any:
-    """The member of a union that holds the value: by field names for objects, by kind otherwise."""
+    """The member of a union that holds the value: by kind, and objects by their fields.
+
+    Where none has all the fields of an object it is the one that lacks fewest, which says so.
+    """
     if isinstance(value, Mapping):
-        return next((m for m in members if _has_fields(m, value)), dict)
+        kinds = [m for m in members if isinstance(m, type) and dataclasses.is_dataclass(m)]
+        return min(kinds, key=lambda m: _unknown(m, value), default=dict)
     if isinstance(value, list):
         return next((m for m in members if typing.get_origin(m) is tuple), list)
     return next((m for m in members if m is type(value)), float)

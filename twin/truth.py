@@ -97,6 +97,7 @@ def _wheels(column: dict[str, Array], driven: Sequence[str]) -> Table:
         "plough_side_n",
         "engine_radps",
         "engine_torque_nm",
+        "fuel_lph",
         "axle_torque_nm",
     )
     return table | {name: column[name] for name in names}

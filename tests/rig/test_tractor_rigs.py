@@ -7,13 +7,14 @@ import pytest
 from scipy.optimize import brentq
 
 from twin.errors import BadInput, OutOfRange
+from twin.machine.build import build
+from twin.machine.fuel import fuel_lph
 from twin.rig.drawbar import drawbar, expected_pull_n
 from twin.rig.gears import gears
 from twin.rig.park import park
 from twin.rig.slope import NoBalance, expected, slope
 from twin.rig.tractor import statics
-from twin.scenario import Drive, Soil
-from twin.sensors.machine import fuel_lph
+from twin.scenario import Drive, Scenario, Soil
 
 SLIPS = np.array([0.05, 0.10, 0.15, 0.20, 0.25, 0.30])
 
@@ -88,7 +89,15 @@ def test_low_gears_are_held_by_slip_and_high_ones_by_power(hard_road):
 def test_a_gear_runs_its_speed_at_rated_engine_speed(hard_road):
     speed_mps = 2200.0 * np.pi / 30.0 / hard_road.gear_ratio * 0.8489
     assert 3.6 * speed_mps == pytest.approx(hard_road.gear_kmh)
-    assert hard_road.fuel_lph == pytest.approx(fuel_lph(hard_road.crank_power_w, 103e3))
+
+
+@pytest.mark.slow
+def test_a_gear_s_fuel_is_that_of_its_power_and_speed(hard_road):
+    numbers = build(Scenario(name="fuel"), settle=False).numbers
+    radps = hard_road.engine_rpm * np.pi / 30.0
+    assert hard_road.fuel_lph == pytest.approx(fuel_lph(numbers, hard_road.crank_power_w, radps))
+    per_kwh = hard_road.fuel_lph / (0.9e-3 * hard_road.crank_power_w)
+    assert np.all((per_kwh[-2:] > 0.27) & (per_kwh[-2:] < 0.33))  # the engine is fully loaded
 
 
 def brixius_crab_rad(theta, axle_load_n, lateral_n, cone_index_kpa):

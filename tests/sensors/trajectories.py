@@ -62,6 +62,7 @@ def drive(
         "axle_torque_nm": np.full(n, 15e3),
         "engine_radps": np.full(n, engine_radps),
         "engine_torque_nm": np.full(n, 300.0),
+        "fuel_lph": np.full(n, 20.0),
     }
     return Trajectory(epoch_ns, made | columns)
 

@@ -136,8 +136,8 @@ class PloughEnv(SingleEnv):
 
     None is negative, so stalling never pays. Each is in `info` as `reward_<term>`, beside `slip`,
     `depth_m`, `speed_mps`, `draft_n`, `work_rate_haph`, `traction_efficiency`, `fuel_lph` (ASABE
-    D497's specific fuel at the engine's power, an estimate), and after a reset the ground by the
-    names of the options below.
+    D497.7's fuel at the engine's power and speed, see `twin.machine.fuel`), and after a reset the
+    ground by the names of the options below. No term of the reward uses the fuel.
 
     ## Start
 

@@ -13,12 +13,11 @@ from twin.env.episodes import Episodes, asked
 from twin.env.fleet import Fleet
 from twin.env.grounds import PLOUGHED, lies
 from twin.machine.build import build
+from twin.machine.fuel import fuel_lph
 from twin.scenario import Course, Plough, Scenario
-from twin.sensors.machine import Bus, fuel_lph
 
 Array = NDArray[np.float64]
 
-RATED_POWER_W = Bus().rated_power_w
 KNOWN = ("slip", "depth_m", "speed_mps", "draft_n", "traction_efficiency")
 
 
@@ -71,9 +70,11 @@ class Ploughing(Episodes):
     def info(self, true: Mapping[str, Array]) -> dict[str, Array]:
         """What is true now and worth knowing of each tractor, each of shape (nsim,)."""
         rate_m2ps = reward.work_rate_m2ps(true, self.width_m, self.depth_m)
-        power_w = true["engine_torque_nm"] * true["engine_radps"]
+        radps = true["engine_radps"]
         return {
             **{name: true[name] for name in KNOWN},
             "work_rate_haph": rate_m2ps * 0.36,
-            "fuel_lph": fuel_lph(power_w, RATED_POWER_W),
+            "fuel_lph": fuel_lph(
+                self.fleet.machine.numbers, true["engine_torque_nm"] * radps, radps
+            ),
         }

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from twin.machine.build import Machine
 from twin.machine.ends import End
+from twin.machine.fuel import fuel_lph
 from twin.machine.trajectory import Trajectory
 from twin.physics import block
 from twin.physics.block import MachineSlot, PowerSlot, WheelSlot
@@ -72,6 +73,7 @@ class Recorder:
         self.world_from_ground = machine.world_from_ground
         self.normal, self.heights = machine.world_from_ground[:, 2], machine.maps.get("heights")
         self.plough = machine.scenario.plough is not None
+        self.numbers = machine.numbers
         self.sensors = {
             model.sensor(i).name: slice(adr, adr + dim)
             for i, (adr, dim) in enumerate(
@@ -138,6 +140,9 @@ class Recorder:
         columns |= {name: wheels[:, :, slot] for name, slot in WHEEL_COLUMNS.items()}
         columns |= {name: machine[:, slot] for name, slot in MACHINE_COLUMNS.items()}
         columns |= {name: powers[:, slot] for name, slot in POWER_COLUMNS.items()}
+        engine_radps = columns["engine_radps"]
+        crank_w = columns["engine_torque_nm"] * engine_radps
+        columns["fuel_lph"] = fuel_lph(self.numbers, crank_w, engine_radps)
         columns["slip_angle_rad"] = np.arctan2(
             -columns["tread_speed_y_mps"], np.abs(columns["wheel_speed_x_mps"])
         )

@@ -44,6 +44,8 @@ class Pass:
     draft_over_d497: float
     """Longitudinal implement force over D497's at the run's own speed and depth."""
     depth_m: float
+    fuel_lpha: float
+    """Fuel over the area worked, the plough's width times the length [L/ha]."""
     roll_deg: float
     roll_expected_deg: float
     """atan(depth / track) and what the difference of the rear tyres' deflections adds."""
@@ -87,6 +89,7 @@ def measure(machine: Machine, table: Table) -> Pass:
         draft_length_m=correlation_length_m(draft, float(np.mean(speed))),
         draft_over_d497=float(np.mean(draft) / np.mean(d497_n(machine, speed, part["depth_m"]))),
         depth_m=depth_m,
+        fuel_lpha=fuel_lpha(machine, part),
         roll_deg=abs(float(np.degrees(np.mean(roll_rad(part))))),
         roll_expected_deg=float(np.degrees(np.arctan((depth_m + deflection_m) / track_m))),
         power_closure=power_closure(table),
@@ -94,13 +97,24 @@ def measure(machine: Machine, table: Table) -> Pass:
     )
 
 
+def fuel_lpha(machine: Machine, table: Table) -> float:
+    """Fuel over the area worked: sum Q dt / (bodies, width of one, sum v dt) [L/ha]."""
+    litres = float(np.sum(table["fuel_lph"])) / 3600.0
+    hectares = width_m(machine) * float(np.sum(table["speed_mps"])) / 1e4
+    return litres / hectares
+
+
+def width_m(machine: Machine) -> float:
+    """Width of the whole plough."""
+    return machine.numbers["plough.bodies"] * machine.numbers["plough.body_width_m"]
+
+
 def d497_n(machine: Machine, speed_mps: Array, depth_m: Array) -> Array:
     """Draft of the whole plough by ASABE D497: F (A + C S**2) W T."""
     numbers = machine.numbers
-    width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
     specific = numbers["plough.draft_a"] + numbers["plough.draft_c"] * (3.6 * speed_mps) ** 2
     scale = machine.scenario.soil.resolved.draft_scale
-    return np.asarray(scale * specific * width_m * 100.0 * depth_m)
+    return np.asarray(scale * specific * width_m(machine) * 100.0 * depth_m)
 
 
 def correlation_length_m(signal: Array, speed_mps: float) -> float:

@@ -23,6 +23,8 @@ SCENARIOS: dict[int, Scenario] = {
     15: plough.CM_15, 20: plough.CM_20, 25: plough.CM_25, 30: plough.CM_30,
 }  # fmt: skip
 SPEEDS_KMH = {15: 6.48, 20: 5.83, 25: 5.44, 30: 5.04}
+FUEL_LPHA = (15.0, 27.0)
+"""Fuel of mouldboard ploughs at 10 to 30 cm and 4 to 7 km/h behind other tractors."""
 SLIPS = {15: (0.056, 0.087), 20: (0.074, 0.121), 25: (0.097, 0.165), 30: (0.123, 0.233)}
 """5 to 95 % of the slip that draft and traction laws allow at the published speeds."""
 
@@ -64,6 +66,8 @@ def _depth_rows(cm: int, passes: list[Pass]) -> list[dict[str, Any]]:
         row(case, "draft CV", _mean(passes, "draft_cv"), "1", low=0.08, high=0.13),
         row(case, "draft correlation length", _mean(passes, "draft_length_m"), "m",
              low=2.0, high=5.0),
+        row(case, "fuel", _mean(passes, "fuel_lpha"), "L/ha",
+             low=FUEL_LPHA[0], high=FUEL_LPHA[1]),
         row(case, "roll", _mean(passes, "roll_deg"), "deg",
              reference=_mean(passes, "roll_expected_deg")),
         row(case, "largest roll error", roll_error, "deg", high=0.3),

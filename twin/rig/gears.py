@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.errors import BadInput, check_range
+from twin.machine.fuel import fuel_lph
 from twin.machine.plough_setting import GRAVITY_MPS2
 from twin.rig.drawbar import HITCH_M, drawbar
 from twin.rig.tractor import tractor
 from twin.scenario import Drive, Soil
-from twin.sensors.machine import fuel_lph
 
 Array = NDArray[np.float64]
 
@@ -84,11 +84,11 @@ def _best(soil: Soil, gear_kmh: float, hitch_m: float) -> dict[str, float]:
     best = int(np.argmax(power_w))
     if power_w[best] <= 0.0:
         raise BadInput(f"the gear of {gear_kmh:g} km/h pulls nothing at {MOST_SLIP:.0%} slip")
-    crank_w = float(curve.crank_power_w[best])
+    crank_w, rpm = float(curve.crank_power_w[best]), float(curve.engine_rpm[best])
     return {
         "gear_ratio": ratio, "gear_kmh": gear_kmh, "pull_n": float(curve.pull_n[best]),
         "speed_mps": float(curve.speed_mps[best]), "slip": float(curve.slip[best]),
-        "engine_rpm": float(curve.engine_rpm[best]), "crank_power_w": crank_w,
+        "engine_rpm": rpm, "crank_power_w": crank_w,
         "drawbar_power_w": float(power_w[best]),
-        "fuel_lph": float(fuel_lph(np.array(crank_w), numbers["engine.max_power_w"])),
+        "fuel_lph": float(fuel_lph(numbers, crank_w, rpm * math.pi / 30.0)),
     }  # fmt: skip

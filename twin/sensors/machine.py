@@ -45,8 +45,6 @@ class Bus:
     """Scale of the latency's scatter, s."""
     reference_torque_nm: float = 600.0
     """Torque that is a load of 1, N m (SPN 544)."""
-    rated_power_w: float = 103e3
-    """Rated engine power, W; 140 hp."""
     lower_link_m: float = 0.9
     """Length of the lower links, m: height of the hitch points = length sin(lift angle)."""
     steer_sd_rad: float = 0.002
@@ -69,7 +67,6 @@ class Bus:
                 "latency_s": (0, 1),
                 "latency_jitter_s": (0, 0.1),
                 "reference_torque_nm": (1, 10_000),
-                "rated_power_w": (100, 1e6),
                 "lower_link_m": (0.05, 2),
                 "steer_sd_rad": (0, 0.1),
                 "draft_pin_sd_n": (0, 1e4),
@@ -106,6 +103,7 @@ def init(config: Bus, seed: int, start_ns: int) -> BusState:
 
 COLUMNS = (
     "steer_rad", "hitch_rad", "draft_n", "axle_torque_nm", "engine_radps", "engine_torque_nm",
+    "fuel_lph",
 )  # fmt: skip
 
 
@@ -125,7 +123,6 @@ def sample(config: Bus, state: BusState, chunk: Trajectory) -> tuple[BusState, T
     last_ns, arrival_ns = arrivals(state.arrival_ns, epoch_ns, delay_s)
     pin_n = at["draft_n"] * (1.0 + config.draft_pin_scale_error)
     load = np.clip(at["engine_torque_nm"] / config.reference_torque_nm, 0.0, 1.25)
-    fuel = fuel_lph(at["engine_torque_nm"] * at["engine_radps"], config.rated_power_w)
     hitch_m = config.lower_link_m * np.sin(at["hitch_rad"])
     table: Table = {
         "epoch_ns": epoch_ns,
@@ -136,24 +133,9 @@ def sample(config: Bus, state: BusState, chunk: Trajectory) -> tuple[BusState, T
         "axle_torque_nm": _rounded(at["axle_torque_nm"] + torque, TORQUE_STEP_NM),
         "engine_radps": _rounded(at["engine_radps"], ENGINE_STEP_RADPS),
         "engine_load": _rounded(load, LOAD_STEP),
-        "fuel_lph": _rounded(fuel, FUEL_STEP_LPH),
+        "fuel_lph": _rounded(at["fuel_lph"], FUEL_STEP_LPH),
     }
     return replace(state, reader=position, arrival_ns=last_ns), table
-
-
-def fuel_lph(power_w: Array, rated_power_w: float) -> Array:
-    """Fuel rate of a diesel engine; an estimate, meant for full throttle.
-
-        X   = power / rated power, in [0, 1]
-        SFC = 2.64 X + 3.91 - 0.203 sqrt(738 X + 173)     [L/kWh]
-        Q   = SFC X rated power
-
-    Part throttle ("gear up") takes 15-25 % less. Source: ASABE D497, diesel engines.
-    """
-    x = np.clip(power_w / rated_power_w, 0.0, 1.0)
-    specific_lpkwh = 2.64 * x + 3.91 - 0.203 * np.sqrt(738.0 * x + 173.0)
-    rate: Array = specific_lpkwh * x * rated_power_w * 1e-3
-    return rate
 
 
 def _rounded(value: Array, step: float) -> Array:

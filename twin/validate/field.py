@@ -21,6 +21,7 @@ from twin.rig.tractor import statics
 from twin.scenario import Drive, Scenario, Soil
 from twin.sensors import Gnss, gnss
 from twin.validate.check import Check, within
+from twin.validate.fuel import full_load
 
 Array = NDArray[np.float64]
 
@@ -58,6 +59,13 @@ PLOUGHING = {
     ),
     "draft correlation length": Words(
         source="recalled from the literature: 2 to 5 m", why="the range", grade="assumed",
+    ),
+    "fuel": Words(
+        source="an MF 275, 10 to 30 cm deep at 4.2 to 6.8 km/h: 15.5 to 26.9 L/ha; a tractor in "
+        "India, 15 to 22 cm: 20 to 23 L/ha", grade="measured",
+        why="the range of other tractors and soils",
+        note="of steady ploughing: no turns, no way to the field; from power and speed of the "
+        "engine at each instant. What draft and gear cost is in it, and the law's own scatter",
     ),
     "growth of slip sd": Words(
         source="draft law: slip sd .8 to 4.1 % from 15 to 30 cm at one draft CV", grade="derived",
@@ -137,6 +145,7 @@ def drawbar_power() -> list[Check]:
             source="John Deere 4250: .84 to .89 of the take-off's power, less about a tenth to the "
             "take-off", why="the share that the take-off's own drive loses is assumed",
         ),
+        full_load(found, where),
         within(
             where, "slip there", float(found.slip[best]), "1", low=0.01, high=0.15,
             source="OECD code 2: at most 15 % on concrete", grade="published",

@@ -61,10 +61,14 @@ NOT_VALIDATED = """\
 * **Hitch and driver.** Control of the hitch, steering and depth corrections are plausible, not
   identified from a machine. The gains of draft control, the front ballast it needs and the top
   link's holes are assumed; how far a draft varies under it was compared with no measurement.
-* **Engine and brakes.** Governor droop and full-load torque are fitted or assumed; inertia, and
-  fuel, were not compared with a test. The drag of the motored engine is a published law, recalled,
+* **Engine and brakes.** Governor droop and full-load torque are fitted or assumed; inertia was not
+  compared with a test. The drag of the motored engine is a published law, recalled,
   for a displacement and stroke that are assumed; brakes, and how the driver presses them, are
   assumed. He has one gear for a run and does not shift down.
+* **Fuel.** The law is a mean of many tractors, in power and speed of the engine; the rows hold it
+  against two runs of one other tractor and the range of ploughing elsewhere. What the take-off's
+  drive leaves of the crank's power is assumed. Engine speeds below half of the rated one are
+  outside the law, and an idling engine takes less than it says.
 * **Repeated passes.** Ruts and compaction under earlier wheels are not simulated. Brixius' law
   knows no sinkage, and slip sinkage only as the part of its motion resistance that grows with slip.
 * **Weather, moisture, residue** have no model: a soil is a set of constants with random variation.
