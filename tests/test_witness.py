@@ -112,6 +112,7 @@ BASES = {
         },
     ),
     "signals": DISTURBED,
+    "downhill": replaced(ROLLING, {"field.grade_deg": -15.0, "course.length_m": 3.0}),
 }  # fmt: skip
 
 WITNESSES: dict[str, dict[str, object]] = {
@@ -127,6 +128,7 @@ WITNESSES: dict[str, dict[str, object]] = {
         "sensors.gnss": Gnss(), "sensors.camera": Camera(width_px=160, height_px=120),
     },
     "long": {"course.passes": 2},
+    "downhill": {"drive.exhaust_brake": True},
     "ploughing": {
         "soil.preset": "soft", "soil.law": "bekker", "soil.friction": 0.6,
         "soil.cone_index_kpa": 800.0, "soil.draft_scale": 0.5, "soil.draft_cv": 0.3,
