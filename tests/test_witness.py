@@ -112,7 +112,9 @@ BASES = {
         },
     ),
     "signals": DISTURBED,
-    "downhill": replaced(ROLLING, {"field.grade_deg": -15.0, "course.length_m": 3.0}),
+    "downhill": replaced(
+        ROLLING, {"field.grade_deg": -15.0, "course.length_m": 8.0, "drive.gear_ratio": 40.0}
+    ),
 }  # fmt: skip
 
 WITNESSES: dict[str, dict[str, object]] = {
