@@ -27,7 +27,8 @@ EXPECTED: dict[str, tuple[float, float, str]] = {
     "imu-bias": (
         10.0,
         0.12,
-        "taken for a motion at first, with an sd that says so, then learnt as a bias",
+        "taken for a motion at first, up to half a second of it with too small an sd, then learnt "
+        "as a bias",
     ),
     "imu-back": (2.0, 0.015, "samples older than the newest are put aside, flagged"),
 }

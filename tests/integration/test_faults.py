@@ -54,9 +54,9 @@ def test_the_answer_is_the_one_expected(kind):
     during = (time >= START_S) & (time < START_S + 10.0)
     assert np.abs(error[during]).max() < LARGEST[kind]
     assert np.abs(error[time >= START_S + AFTER_S]).max() < AFTER_LARGEST
-    if kind == "imu-bias":  # no small sd while two speeds contradict it
-        worst = np.abs(error[during]).argmax()
-        assert np.abs(error[during][worst]) < 3.0 * sd[during][worst]
+    if kind == "imu-bias":  # no small sd for longer than half a second while speeds contradict it
+        wrong = (np.abs(error[during]) > 0.02) & (np.abs(error[during]) > 3.0 * sd[during])
+        assert 0.02 * np.count_nonzero(wrong) < 0.5
     if kind == "wheels-stuck":
         healthy = estimated(Sensors())[2]
         assert sd[during].max() > 10.0 * healthy[during].mean()

@@ -75,7 +75,7 @@ RANGES = {
     },
     Drive: {
         "gear_ratio": (15.0, 300.0), "engine_set_rpm": (900.0, 2400.0), "all_wheel_drive": FLAG,
-        "differential_lock": FLAG,
+        "differential_lock": FLAG, "exhaust_brake": FLAG,
     },
     Course: {
         "approach_m": (0.0, 20.0), "length_m": (1.0, 5000.0), "heading_deg": (-180.0, 180.0),
