@@ -24,9 +24,11 @@ Array = NDArray[np.float64]
 
 RAISED_RAD = 0.6
 """Lower-link angle without a plough, and with one that is carried unless its limit is another."""
-SETTLE_S, UNEVEN_SETTLE_S = 8.0, 4.0
-"""Time in which the machine settles on its tyres before a run; on uneven ground, where it is not
-put back to where it stood, no longer than it needs: brakes that do not hold let it slide."""
+SETTLE_S, SLIDING_SETTLE_S = 8.0, 4.0
+"""Time in which the machine settles on its tyres before a run; and where brakes do not hold it on
+uneven ground, from where it is not put back to its place."""
+SLIDING_MPS = 0.05
+"""Speed of a machine that does not come to rest [m/s]."""
 LOOK_S = 0.02
 """Time between two looks whether it is still finite."""
 
@@ -91,8 +93,10 @@ def _settle(model: Any, state: Any, scenario: Scenario) -> None:
     """Let it come to rest, and refuse what diverges."""
     row = np.empty(mujoco.mj_stateSize(model, STATE))
     tape, steps = Tape(len(row), LOOK_S), round(LOOK_S / model.opt.timestep)
-    settle_s = SETTLE_S if model.nhfield == 0 else UNEVEN_SETTLE_S
-    for _ in range(round(settle_s / LOOK_S)):
+    for k in range(round(SETTLE_S / LOOK_S)):
+        slides = model.nhfield > 0 and np.linalg.norm(state.qvel[:3]) > SLIDING_MPS
+        if slides and k >= round(SLIDING_SETTLE_S / LOOK_S):
+            return
         mujoco.mj_getState(model, state, row, STATE)
         tape.keep(row)
         with quiet():
