@@ -36,11 +36,12 @@ class Balance:
     def closes(self):
         """Within 1 % of the larger work, or 1 kJ where both are small.
 
-        What the step leaves over is known, but may be 3 % at most, 3 kJ where the work is small:
-        forces that chatter leave more.
+        What the step leaves over is known, but may be 3 % of both works at most, 3 kJ where they
+        are small: forces that chatter leave more.
         """
         larger = max(abs(self.engine_j), abs(self.gravity_j))
-        known = abs(self.step_j) <= 0.03 * max(larger, SMALL_J)
+        both = abs(self.engine_j) + abs(self.gravity_j)
+        known = abs(self.step_j) <= 0.03 * max(both, SMALL_J)
         return known and abs(self.missing_j) <= (0.01 * larger if larger > SMALL_J else LEFT_J)
 
 
