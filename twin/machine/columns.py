@@ -55,11 +55,12 @@ SENSOR_COLUMNS = (
 )  # fmt: skip
 
 
-RECORDED = (
-    "sensordata", "userdata",
+CLOSING = (
     "qvel", "qfrc_passive", "qfrc_actuator", "qfrc_constraint", "qfrc_bias", "qfrc_spring",
 )  # fmt: skip
-"""What a run records of every step; the forces close the power balance."""
+"""What closes the power balance: generalised speeds and forces."""
+RECORDED = ("sensordata", "userdata", *CLOSING)
+"""What a run records of every step."""
 
 
 class Recorder:
@@ -98,7 +99,7 @@ class Recorder:
         columns = self._columns(sensordata, slots)
         if "qvel" in records[0]:
             columns |= self._closing(
-                {k: np.concatenate([r[k][0] for r in records]) for k in RECORDED}
+                {k: np.concatenate([r[k][0] for r in records]) for k in CLOSING}
             )
         return Trajectory(epoch_ns, columns, end)
 
