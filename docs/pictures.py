@@ -17,11 +17,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
 
-from twin.machine.build import build
-from twin.palette import FIGURE, TRUTH_COLOUR, colours
-from twin.registry import load
-from twin.run import Run, run
-from twin.scores import seconds
+from twin.pipeline.named import load
+from twin.pipeline.run import Run, run
+from twin.report.palette import FIGURE, TRUTH_COLOUR, colours
+from twin.scores.scores import seconds
+from twin.simulation.build import build
 from twin.viz.ground import Ground, slices
 from twin.viz.shapes import joint_states
 from twin.viz.tools import every

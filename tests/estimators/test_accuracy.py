@@ -14,7 +14,7 @@ from estimators.four_state_printed import FourStatePrinted
 from estimators.parallel_kf import KF_TUNED, KF_Z2, PKF
 from estimators.ratio import RATIO, RATIO_FRONT
 from estimators.slip_ekf import SLIP_EKF
-from twin import registry
+from twin.pipeline import named as registry
 
 SETUP = synthetic.setup()
 PRINTED = replace(

@@ -12,7 +12,7 @@ from synthetic import Drive
 
 from estimators import REGISTRY
 from estimators.layout import OUT_OF_ORDER
-from twin import registry
+from twin.pipeline import named as registry
 from twin.streams import ESTIMATES, Streams, check, concatenate
 
 SETUP = synthetic.setup()

@@ -17,12 +17,12 @@ from twin.commands.parse import parse
 from twin.commands.run import DEFAULT_ESTIMATORS, load_estimators
 from twin.commands.terminal import Stopwatch, console, counting, print_scores
 from twin.errors import BadInput
-from twin.table import slip_lines
+from twin.scores.table import slip_lines
 
 if TYPE_CHECKING:
-    from twin.logcheck import SteadySlip
+    from twin.io.run_folder import Record, RunLike
     from twin.logs import Log
-    from twin.runfolder import Record, RunLike
+    from twin.pipeline.log_check import SteadySlip
     from twin.streams import Table
 
 
@@ -53,7 +53,8 @@ class Estimate:
 def main(args: Sequence[str]) -> int:
     """Read a log, run the estimators, write the folder, print what they say."""
     options = parse(Estimate, args, prog="twin estimate")
-    from twin import logs, runfolder
+    from twin import logs
+    from twin.io import run_folder as runfolder
 
     directory = options.out or Path("runs") / options.log.resolve().stem
     if directory.resolve() == options.log.resolve():
@@ -84,8 +85,8 @@ def estimated(
     told: Callable[[int, int], None] = lambda done, total: None,
 ) -> Record:
     """The estimates of every estimator over the whole log."""
-    from twin import estimating
-    from twin.runfolder import Record
+    from twin.io.run_folder import Record
+    from twin.pipeline import estimating
 
     watch = Stopwatch()
     estimates = {}
@@ -103,7 +104,7 @@ def estimated(
 
 def findings(record: Record, name: str, log: Log, steady: SteadySlip | None) -> dict[str, Any]:
     """Scores where the log has a reference, the slip of each estimator, steady work and notes."""
-    from twin import scores
+    from twin.scores import scores
 
     table = scores.score(record.truth, record.estimates, scenario=name, seed=None)
     table["slip"] = {n: slip_summary(t) for n, t in record.estimates.items()}
@@ -130,7 +131,8 @@ def slip_summary(estimates: Table) -> dict[str, float | int | None]:
 
 def steady_summary(log: Log, estimates: Table) -> dict[str, float | int | None]:
     """The same over the rows of steady work, as the map's rule chooses them."""
-    from twin import logs, scores
+    from twin import logs
+    from twin.scores import scores
 
     _, wheel_mps = logs.paired_speeds(log.streams)
     epoch_ns = log.streams["wheels"]["epoch_ns"]
@@ -150,7 +152,7 @@ def _quantiles(slip: np.ndarray[Any, Any]) -> dict[str, float | int | None]:
 
 def _prepared(log: Log) -> tuple[Log, SteadySlip | None]:
     """The log with wheel speeds scaled to zero slip where its map gives the rules."""
-    from twin import logcheck
+    from twin.pipeline import log_check as logcheck
 
     if "zero_slip" not in log.rules:
         return log, None
@@ -160,7 +162,7 @@ def _prepared(log: Log) -> tuple[Log, SteadySlip | None]:
 
 def _reference(log: Log, path: Path) -> Table | None:
     """The log's own reference; for a run folder, its truth."""
-    from twin import runfolder
+    from twin.io import run_folder as runfolder
 
     truth = path / runfolder.TRUTH
     if log.reference is None and path.is_dir() and truth.exists():

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from twin.runfolder import RunLike
+from twin.io.run_folder import RunLike
 
 
 def record(run: RunLike, scores: Mapping[str, Any], path: Path) -> None:
@@ -28,6 +28,6 @@ def record(run: RunLike, scores: Mapping[str, Any], path: Path) -> None:
 
 
 def _machine(scenario: Any) -> Any:
-    from twin.machine.build import build
+    from twin.simulation.build import build
 
     return build(scenario, looks=True, settle=False)

@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from twin import registry
 from twin.commands.parse import named_fields, parse
 from twin.commands.terminal import console, print_scores, progress
 from twin.errors import BadInput
-from twin.written import moved_when_complete
+from twin.io.atomic import moved_when_complete
+from twin.pipeline import named as registry
 
 if TYPE_CHECKING:
-    from twin.run import Run
+    from twin.pipeline.run import Run
 
 DEFAULT_ESTIMATORS = "ratio,four-state"
 
@@ -68,8 +68,9 @@ def execute(
 
     `named` are the fields that the user gave: those the run would not read are refused.
     """
-    from twin import runfolder, scores
-    from twin.unread import refuse_unread
+    from twin.io import run_folder as runfolder
+    from twin.pipeline.unread import refuse_unread
+    from twin.scores import scores
 
     directory = options.out or runfolder.default_directory(scenario.name, scenario.seed)
     runfolder.refuse_foreign(directory)  # before the work, not after it
@@ -78,7 +79,7 @@ def execute(
     _check_frames(scenario, options.frames)
     estimators = load_estimators(options.estimators)
     from twin.commands.limits import limits
-    from twin.run import run  # heavy, so only once the input is known to be good
+    from twin.pipeline.run import run  # heavy, so only once the input is known to be good
 
     shown = not (options.quiet or options.json)
     with progress(scenario.name, shown=shown) as told, _pngs(options.frames) as frames:

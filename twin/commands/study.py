@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from twin import registry
-from twin import rows as rows_file
 from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
 from twin.commands.terminal import console, progress
 from twin.errors import BadInput, check_range
+from twin.io import result_rows as rows_file
+from twin.pipeline import named as registry
 
 if TYPE_CHECKING:
-    from twin.study.summary import Group
+    from twin.studies.summary import Group
 
 PARTS, TABLE, SUMMARY, PLAN = "parts", "table.parquet", "summary.json", "study.json"
 REPORT = "report.html"
@@ -79,7 +79,7 @@ def main(args: Sequence[str]) -> int:
     if options.jobs == 0:
         raise BadInput("jobs = 0 would do nothing; 1, or -1 for as many as the backend has")
     check_files(json=options.json)
-    from twin import study
+    from twin import studies as study
 
     estimators = _listed("--estimators", options.estimators)
     if options.against is not None and options.against not in estimators:
@@ -112,7 +112,7 @@ def read_sweeps(given: Sequence[str], scenario: Any) -> dict[str, tuple[Any, ...
         BadInput: no FIELD=VALUES, a field given twice, or a value the field cannot have.
         UnknownName: no such field.
     """
-    from twin.study import fields
+    from twin.studies import fields
 
     found: dict[str, tuple[Any, ...]] = {}
     for text in given:
@@ -166,7 +166,7 @@ def _begin(folder: Path, args: Sequence[str]) -> None:
 
 
 def _work(cases: Sequence[Any], folder: Path, options: Study, told: Any) -> None:
-    from twin import study
+    from twin import studies as study
 
     if options.retry_failed:
         for path in study.failed(cases, folder / PARTS):
@@ -183,7 +183,7 @@ def _work(cases: Sequence[Any], folder: Path, options: Study, told: Any) -> None
 
 
 def _finish(cases: Sequence[Any], folder: Path, swept: list[str], options: Study) -> None:
-    from twin import study
+    from twin import studies as study
 
     table = study.read(cases, folder / PARTS)
     study.write_table(table, folder / TABLE)
@@ -243,7 +243,7 @@ def _scaled(row: Mapping[str, Any], heading: str, scale: float) -> dict[str, Any
 
 
 def _draw(groups: Sequence[Group], folder: Path) -> list[str]:
-    from twin.study import figures
+    from twin.studies import figures
 
     names = {quantity: quantity.replace(".", "_") + ".png" for quantity in DRAWN}
     return [
@@ -258,7 +258,7 @@ def print_means(groups: Sequence[Group]) -> None:
     from rich import box
     from rich.table import Table
 
-    from twin.study.summary import mean
+    from twin.studies.summary import mean
 
     shown = [q for q in SHOWN if any(group.values(q) for group in groups)]
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="mean ± half the 95 % interval")

@@ -14,7 +14,7 @@ from typing import Any
 import mujoco
 from numba import carray, types
 
-from twin.compiled import c_callback, law
+from twin.compute.compiled import c_callback, law
 from twin.errors import BadInput
 from twin.physics import block, layout, memory, rigid
 from twin.physics.block import (

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from twin.compiled import inlined_law, law
+from twin.compute.compiled import inlined_law, law
 from twin.physics.block import Field, Grid, Soil
 from twin.physics.shapes import Array, Vector
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from twin.lookup import attribute
 from twin.physics.block import Soil, Wheel
+from twin.plugins.lookup import attribute
 
 SLOTS = {
     "friction": (Soil.FRICTION, Soil.COHESION_PA, Soil.TAN_PHI),

@@ -23,15 +23,15 @@ import numba
 import numpy as np
 from numba import carray
 
-from twin.compiled import inlined_law, key
+from twin.compute.compiled import inlined_law, key
 from twin.errors import BadInput
-from twin.lookup import attribute
 from twin.physics.bekker import bekker
 from twin.physics.block import Soil, Wheel
 from twin.physics.brixius import brixius
 from twin.physics.law_table import MOST_LAWS, SIGNATURE, TABLE, call, table_pointer
 from twin.physics.shapes import Array
-from twin.soils import LAWS
+from twin.plugins.lookup import attribute
+from twin.scenario.soils import LAWS
 
 BRIXIUS, BEKKER = float(LAWS.index("brixius")), float(LAWS.index("bekker"))
 Forces = tuple[float, float, float, float, float]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from twin.compiled import law
+from twin.compute.compiled import law
 from twin.physics import block, rigid
 from twin.physics.block import Envelope, Field, Head, MachineSlot, Plough, PowerSlot
 from twin.physics.contact import felt_height

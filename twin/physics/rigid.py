@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from twin.compiled import inlined_law
+from twin.compute.compiled import inlined_law
 from twin.physics.shapes import Array, Vector
 
 

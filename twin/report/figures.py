@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from twin.palette import SEA, TRUTH_COLOUR
 from twin.report.draw import Estimates, columns, estimate_lines, limits, line, svg, thinned
-from twin.scores import moving, seconds
+from twin.report.palette import SEA, TRUTH_COLOUR
+from twin.scores.scores import moving, seconds
 from twin.streams import Streams, Table
 
 LEAST_W, LEAST_SHARE = 1.0, 0.005

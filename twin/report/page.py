@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from twin.plain import to_plain
+from twin.io.plain import to_plain
+from twin.io.run_folder import RunLike
 from twin.report import errors, figures
 from twin.report.html import document, made_with, table
 from twin.report.html import figures as figures_of
-from twin.runfolder import RunLike
-from twin.table import HEADERS, end_lines, score_rows, slip_lines
+from twin.scores.table import HEADERS, end_lines, score_rows, slip_lines
 
 SLIP_OVER_TIME = (
     "Black: truth. Bands: ±2 reported standard deviations; about the truth, ±2 of the causal "
@@ -30,7 +30,7 @@ def write(run: RunLike, scores: Mapping[str, Any], path: Path, command: str = ""
 
     Args:
         run: the run.
-        scores: as made by `twin.scores.score`.
+        scores: as made by `twin.scores.scores.score`.
         path: the .html file.
         command: what does it again; made of name and seed where none is given.
     """

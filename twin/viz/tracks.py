@@ -9,7 +9,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from twin.palette import SEA, colours
+from twin.report.palette import SEA, colours
 from twin.streams import Setup, Streams, Table
 from twin.viz.paths import ESTIMATES, GNSS, MAP, NO_SIDESLIP, ORANGE, PATH
 from twin.viz.tools import axes_w, every, position_w, rgba, times
