@@ -2,14 +2,66 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
 from twin.errors import BadInput, TwinError
 from twin.plugins.lookup import line, where
 from twin.streams import Setup, Streams, Table
+
+
+class Estimator(Protocol):
+    """What consumes streams: a state at the start, then a new state and estimates per chunk."""
+
+    def init(self, setup: Setup) -> Any:
+        """State before the first sample."""
+
+    def run(self, state: Any, chunk: Streams) -> tuple[Any, Table]:
+        """New state, and what is estimated from the chunk."""
+
+
+@dataclass(frozen=True)
+class Estimated:
+    """The tables of several estimators, and what became of those that failed."""
+
+    tables: dict[str, Table]
+    failed: dict[str, str]
+    """Estimator -> why it failed."""
+
+
+def all_estimates(
+    estimators: Mapping[str, Estimator],
+    setup: Setup,
+    streams: Streams,
+    told: Callable[[int, int], None] = lambda done, total: None,
+) -> Estimated:
+    """Every estimator over whole streams; one that fails gives NaN and a note, the others go on.
+
+    Args:
+        estimators: by name.
+        setup, streams: what each is told, and what it sees.
+        told: told how many of how many are done.
+    """
+    tables: dict[str, Table] = {}
+    failed: dict[str, str] = {}
+    for done, (name, estimator) in enumerate(estimators.items()):
+        told(done, len(estimators))
+        try:
+            tables[name] = estimates(name, estimator, setup, streams)
+        except TwinError as error:
+            tables[name] = _unknown(streams)
+            failed[name] = str(error)
+    return Estimated(tables, failed)
+
+
+def _unknown(streams: Streams) -> Table:
+    """Estimates that say nothing, at the epochs of the longest stream."""
+    epochs = [table["epoch_ns"] for table in streams.tables.values()]
+    epoch_ns = max(epochs, key=len, default=np.empty(0, np.int64))
+    return {"epoch_ns": epoch_ns, "slip": np.full(len(epoch_ns), np.nan)}
 
 
 def estimates(name: str, estimator: Any, setup: Setup, streams: Streams) -> Table:

@@ -124,7 +124,7 @@ def score(
         window: first and last epoch that count [s]; by default that of `window_s`.
     """
     head = {"scenario": scenario, "seed": seed}
-    if truth is None or len(truth["epoch_ns"]) == 0:
+    if not truth or len(truth["epoch_ns"]) == 0:
         return head | {"window_s": None, "truth": {}, "estimators": {n: {} for n in estimates}}
     span = window if window is not None else window_s(truth)
     return head | {
