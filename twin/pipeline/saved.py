@@ -21,16 +21,17 @@ REPORT, RECORDING = run_folder.REPORT, run_folder.RECORDING
 
 def save(result: Result, directory: Path | None, command: str) -> Path:
     """Write the run folder; see `Result.save`."""
-    from twin.report import write
-
     if directory is None and result.scenario is not None:
         directory = run_folder.default_directory(result.scenario.name, result.scenario.seed)
-    pictures = {
-        REPORT: partial(write, command=command),
-        RECORDING: partial(_picture, result),
-    }
     target = directory or Path("runs") / (result.name or "log")
-    return run_folder.write(result, result.scores, target, pictures=pictures)
+    return run_folder.write(result, result.scores, target, pictures=pictures(result, command))
+
+
+def pictures(result: Result, command: str) -> dict[str, run_folder.Picture]:
+    """File of a run folder -> what writes it."""
+    from twin.report import write
+
+    return {REPORT: partial(write, command=command), RECORDING: partial(_picture, result)}
 
 
 def report(result: Result, path: Path, command: str = "") -> None:
