@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Any
 
 from twin.pipeline.result import Result
 from twin.plugins.lookup import attribute
@@ -14,7 +13,7 @@ BOUND = "estimators.bounds:bound"
 """The bound is found by name: this package knows no estimator."""
 
 
-def run_scores(result: Result) -> dict[str, Any]:
+def run_scores(result: Result) -> scores.Scores:
     """Scores of a simulated run inside the window of its scenario."""
     scenario, truth = result.scenario, result.truth
     assert scenario is not None, "a run has its scenario"
@@ -33,7 +32,7 @@ def run_scores(result: Result) -> dict[str, Any]:
     }
 
 
-def log_scores(result: Result) -> dict[str, Any]:
+def log_scores(result: Result) -> scores.Scores:
     """Scores of a log where it has a reference, and what was found of it."""
     table = scores.score(result.truth, result.estimates, scenario=result.name, seed=None)
     return table | dict(result.found) | {"notes": list(result.notes)}
