@@ -16,7 +16,7 @@ Told = Callable[[int, int], None]
 
 
 def _nobody(done: int, total: int) -> None:
-    """Nobody wants to know."""
+    """No progress is shown."""
 
 
 _TOLD: ContextVar[Told] = ContextVar("told", default=_nobody)
