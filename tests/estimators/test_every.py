@@ -95,14 +95,6 @@ def test_states_are_values(estimator):
     assert bits(again) == bits(on)
 
 
-def test_read_only_input(estimator):
-    frozen = {s: {k: v.copy() for k, v in t.items()} for s, t in STREAMS.tables.items()}
-    for table in frozen.values():
-        for column in table.values():
-            column.flags.writeable = False
-    assert bits(run(estimator, [Streams(frozen)])[0]) == bits(run(estimator, [STREAMS])[0])
-
-
 @pytest.mark.parametrize(
     "present",
     [s for n in range(4) for s in itertools.combinations(("gnss", "imu", "wheels"), n)],

@@ -9,6 +9,7 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
+from numba.core.imputils import impl_ret_borrowed
 from numba.extending import intrinsic
 
 MOST_LAWS = 32
@@ -56,3 +57,13 @@ def call(
 
     numbers = (types.float64,) * 3
     return result(types.int64, types.intp, types.intp, *numbers), codegen
+
+
+@intrinsic
+def frozen(typing_context: Any, array: Any) -> Any:
+    """The same array, typed so that code that writes to it does not compile."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return impl_ret_borrowed(context, builder, signature.return_type, args[0])
+
+    return array.copy(readonly=True)(array), codegen
