@@ -55,7 +55,7 @@ def read(path: Path | str, column_map: Path | str | None = None) -> Log:
 
 def _read(path: Path, columns_of: ColumnMap | None) -> Log:
     log = _read_as(_format(path), path, columns_of)
-    check(log.streams)
+    check(log.streams, log.setup.extra)
     return log
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -26,8 +27,9 @@ def read_run_folder(path: Path) -> Log:
     files = sorted(folder.glob("*.parquet"))
     if not files:
         raise BadInput(f"{folder.name}/ has no .parquet file")
-    tables = {f.stem: _table(f) for f in files}
-    return Log(streams=Streams(tables), setup=_setup(setup_json))
+    setup = _setup(setup_json)
+    tables = {f.stem: _table(f, (*COLUMNS, *setup.extra)) for f in files}
+    return Log(streams=Streams(tables), setup=setup)
 
 
 def _setup(path: Path) -> Setup:
@@ -40,10 +42,9 @@ def _setup(path: Path) -> Setup:
     return setup_from(raw, where=path.name, assume=False)
 
 
-def _table(path: Path) -> Table:
-    sensor = path.stem
-    if sensor not in COLUMNS:
-        raise BadInput(f"{path.name}: {UnknownName('stream', sensor, COLUMNS)}")
+def _table(path: Path, streams: Sequence[str]) -> Table:
+    if path.stem not in streams:
+        raise BadInput(f"{path.name}: {UnknownName('stream', path.stem, streams)}")
     table: Table = {}
     for column, cells in read_parquet(path).items():
         if isinstance(cells, list) or cells.dtype.kind not in "iuf":
