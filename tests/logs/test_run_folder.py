@@ -90,7 +90,7 @@ def test_the_setup_survives_json_with_every_block(tmp_path):
 
 
 def test_the_camera_of_a_run_is_in_its_set_up(run):
-    folder, log = run
+    folder, _ = run
     camera = {
         "rate_hz": 30.0, "width_px": 640, "height_px": 400, "focal_px": 500.0,
         "lever_arm_m": [0.4, 0.0, 0.3], "height_m": 0.5,

@@ -38,6 +38,8 @@ class Estimate:
     """The log."""
     map: Path | None = None
     """TOML that says which column is what, and in which unit."""
+    reader: str | None = None
+    """What reads it, csv, parquet, nmea or run-folder, or module:Name of your own."""
     out: Path | None = None
     """Folder to write; runs/<name of the log> by default."""
     estimators: str = DEFAULT_ESTIMATORS
@@ -61,7 +63,8 @@ def main(args: Sequence[str]) -> int:
         raise BadInput(f"--out {directory} is the log itself; choose another folder")
     runfolder.refuse_foreign(directory)
     estimators = load_estimators(options.estimators)
-    log, steady = _prepared(logs.read(options.log, options.map))
+    reader = None if options.reader is None else logs.reader(options.reader)
+    log, steady = _prepared(logs.read(options.log, options.map, reader))
     shown = not (options.quiet or options.json)
     with counting("estimating", "estimators", shown=shown) as told:
         record = estimated(log, estimators, reference=_reference(log, options.log), told=told)

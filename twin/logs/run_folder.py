@@ -10,26 +10,39 @@ import numpy as np
 
 from twin.errors import BadInput, UnknownName
 from twin.logs.cells import LARGEST, quoted
+from twin.logs.column_map import ColumnMap
 from twin.logs.log import Log
 from twin.logs.parquet_table import read_parquet
+from twin.logs.reader import Reader
 from twin.logs.setup_block import setup_from
 from twin.streams import COLUMNS, Setup, Streams, Table
 
 
-def read_run_folder(path: Path) -> Log:
-    """The Log of a run folder, or of its `streams` folder. Raises BadInput if it is malformed."""
-    folder = path / "streams" if (path / "streams").is_dir() else path
-    setup_json = folder / "setup.json"
-    if not setup_json.is_file():
-        raise BadInput(
-            "a directory without streams/setup.json is not a run folder; name a log file"
-        )
-    files = sorted(folder.glob("*.parquet"))
-    if not files:
-        raise BadInput(f"{folder.name}/ has no .parquet file")
-    setup = _setup(setup_json)
-    tables = {f.stem: _table(f, (*COLUMNS, *setup.extra)) for f in files}
-    return Log(streams=Streams(tables), setup=setup)
+class RunFolder(Reader):
+    """A run folder, or its `streams` folder, which says all of itself."""
+
+    name = "run folder"
+
+    def fits(self, path: Path, head: bytes) -> bool:
+        """Any directory."""
+        return path.is_dir()
+
+    def read(self, path: Path, column_map: ColumnMap | None) -> Log:
+        """Its streams and set-up. Raises BadInput if it is malformed."""
+        if column_map is not None:
+            raise BadInput("a run folder names its own columns; leave the column map out")
+        folder = path / "streams" if (path / "streams").is_dir() else path
+        setup_json = folder / "setup.json"
+        if not setup_json.is_file():
+            raise BadInput(
+                "a directory without streams/setup.json is not a run folder; name a log file"
+            )
+        files = sorted(folder.glob("*.parquet"))
+        if not files:
+            raise BadInput(f"{folder.name}/ has no .parquet file")
+        setup = _setup(setup_json)
+        tables = {f.stem: _table(f, (*COLUMNS, *setup.extra)) for f in files}
+        return Log(streams=Streams(tables), setup=setup)
 
 
 def _setup(path: Path) -> Setup:

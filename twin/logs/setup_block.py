@@ -51,10 +51,10 @@ def setup_from(raw: Mapping[str, object], *, where: str = "setup", assume: bool)
     for name, block in BLOCKS.items():
         if raw.get(name) is not None:
             section = f"{where}.{name}"
-            given = _fields(block, _table(section, raw[name]), section, _assumed(name, assume))
+            given = _fields(block, table_of(section, raw[name]), section, _assumed(name, assume))
             values[name] = _made(block, given)
     if raw.get("extra") is not None:
-        own = _table(f"{where}.extra", raw["extra"])
+        own = table_of(f"{where}.extra", raw["extra"])
         values["extra"] = {stream: _own(f"{where}.extra.{stream}", own[stream]) for stream in own}
     return _made(Setup, values)
 
@@ -70,12 +70,13 @@ def _made(kind: type[Block], values: Mapping[str, object]) -> Block:
 def _own(where: str, raw: object) -> OwnSetup:
     """The block of a sensor of one's own, of which only its maker knows what it holds."""
     try:
-        return own_setup({k: _table(f"{where}.{k}", v) for k, v in _table(where, raw).items()})
+        return own_setup({k: table_of(f"{where}.{k}", v) for k, v in table_of(where, raw).items()})
     except TypeError as error:
         raise BadInput(f"[{where}] is no set-up of a sensor: {error}") from None
 
 
-def _table(where: str, raw: object) -> Mapping[str, object]:
+def table_of(where: str, raw: object) -> Mapping[str, object]:
+    """What stands under a key, if it is a table. Raises BadInput."""
     if not isinstance(raw, Mapping):
         raise BadInput(f"[{where}] must be a table of values")
     return raw
@@ -85,7 +86,7 @@ def assumed_names(raw: Mapping[str, object], sensors: tuple[str, ...]) -> tuple[
     """Names of the values of ASSUMED that stand in for what `raw` does not give."""
     names = [k for k in ASSUMED[""] if k not in raw]
     for sensor in sensors:
-        given = _table(f"setup.{sensor}", raw.get(sensor, {}))
+        given = table_of(f"setup.{sensor}", raw.get(sensor, {}))
         names += [f"{sensor}.{k}" for k in ASSUMED[sensor] if k not in given]
     return tuple(names)
 
