@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from twin import cli
 from twin.errors import BadInput, UnknownName
 from twin.logs import READERS, Reader, Signal, read, reader
 
@@ -157,3 +158,25 @@ def test_the_example_reads_one_value_a_line(tmp_path, monkeypatch):
     path.write_text("0.0 v 1.5\n0.5 v\n")
     with pytest.raises(BadInput, match=r"line 2: '0.5 v' is no TIME NAME VALUE"):
         read(path, other, own)
+
+
+class SpeedOnly:
+    """Knows no slip."""
+
+    def init(self, setup):
+        return None
+
+    def run(self, state, chunk):
+        epoch_ns = chunk["gnss"]["epoch_ns"]
+        return state, {"epoch_ns": epoch_ns, "speed_mps": np.full(len(epoch_ns), 2.0)}
+
+
+@pytest.mark.slow
+def test_the_command_takes_a_reader_and_an_estimator_without_slip(tmp_path, monkeypatch, capsys):
+    path, other = write(tmp_path)
+    words = ["estimate", str(path), "--map", str(other), "--out", str(tmp_path / "out")]
+    own = ["--reader", f"{__name__}:Own", "--estimators", f"{__name__}:SpeedOnly"]
+    assert cli.main([*words, *own]) == 0
+    assert "no slip estimated" in capsys.readouterr().out
+    assert cli.main([*words, "--reader", "cvs"]) == 2
+    assert "did you mean 'csv'" in capsys.readouterr().err

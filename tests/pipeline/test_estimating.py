@@ -129,3 +129,4 @@ def test_slip_while_standing_is_no_sign_of_percent():
     }  # fmt: skip
     assert percent_note("slip", table) is None
     assert "-12.3" in percent_note("slip of the truth", {"slip": np.full(3, -12.3)})
+    assert percent_note("slip", {"epoch_ns": np.arange(3), "speed_mps": np.ones(3)}) is None

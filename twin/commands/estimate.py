@@ -127,7 +127,9 @@ def findings(record: Record, name: str, log: Log, steady: SteadySlip | None) -> 
 
 def slip_summary(estimates: Table) -> dict[str, float | int | None]:
     """Median, 5 % and 95 % of the estimated slip while driving faster than 0.5 m/s."""
-    slip = np.asarray(estimates.get("slip", np.empty(0)), np.float64)
+    if "slip" not in estimates:
+        return _quantiles(np.empty(0))
+    slip = np.asarray(estimates["slip"], np.float64)
     speed = np.asarray(estimates.get("speed_mps", np.full(len(slip), np.inf)), np.float64)
     return _quantiles(slip[np.abs(speed) > MOVING_MPS])
 

@@ -21,7 +21,9 @@ def percent_note(what: str, table: Table, streams: Streams | None = None) -> str
         table: `epoch_ns` and, where it has them, `slip`, `speed_mps` and `wheel_speed_mps`.
         streams: whose GNSS says what is moving, where the table has no speed.
     """
-    slip = np.asarray(table.get("slip", np.empty(0)), np.float64)
+    if "slip" not in table:
+        return None
+    slip = np.asarray(table["slip"], np.float64)
     known = slip[np.isfinite(slip) & _moving(table, streams)]
     median = float(np.median(known)) if len(known) else 0.0
     if abs(median) <= LARGEST_MEDIAN:
@@ -37,7 +39,7 @@ def _moving(table: Table, streams: Streams | None) -> NDArray[np.bool_]:
     for column in ("speed_mps", "wheel_speed_mps"):
         if column in table and np.isfinite(table[column]).any():
             return np.abs(table[column]) > MOVING_MPS
-    count = len(table.get("slip", ()))
+    count = len(table["slip"])
     if streams is None or not len(streams.column("gnss", "v_east_mps")):
         return np.ones(count, np.bool_)
     epoch_ns = streams["gnss"]["epoch_ns"]
