@@ -14,9 +14,7 @@ FLATTENING = 1.0 / 298.257223563
 ECCENTRICITY_SQ = FLATTENING * (2.0 - FLATTENING)
 
 
-def ecef_m(
-    latitude_rad: Array, longitude_rad: Array, height_m: Array
-) -> NDArray[np.float64]:
+def ecef_m(latitude_rad: Array, longitude_rad: Array, height_m: Array) -> NDArray[np.float64]:
     """Earth-centred, earth-fixed position, shape (..., 3).
 
     N = a / sqrt(1 - e2 sin(lat)^2)

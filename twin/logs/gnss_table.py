@@ -50,9 +50,7 @@ def _add_position(table: Table, values: Table) -> tuple[Origin | None, list[str]
     return _project(table, lat, lon, values.get("height_m"), int(np.argmax(fixed))), notes
 
 
-def _drop_non_fixes(
-    lat: Array, lon: Array, quality: Array | None
-) -> list[str]:
+def _drop_non_fixes(lat: Array, lon: Array, quality: Array | None) -> list[str]:
     """Make NaN of what receivers write before a fix: zero and zero, or any place at quality 0."""
     no_fix = (lat == 0.0) & (lon == 0.0)
     if quality is not None:
@@ -61,9 +59,7 @@ def _drop_non_fixes(
     return [f"gnss: {int(no_fix.sum())} positions without a fix left out"] if no_fix.any() else []
 
 
-def _project(
-    table: Table, lat: Array, lon: Array, height: Array | None, first: int
-) -> Origin:
+def _project(table: Table, lat: Array, lon: Array, height: Array | None, first: int) -> Origin:
     measured = np.full(len(lat), np.nan) if height is None else height
     heights = measured[np.isfinite(measured)]
     ground_m = float(heights[0]) if len(heights) else 0.0

@@ -18,9 +18,7 @@ RATIO = 2.0
 MOVING_MPS = 0.5
 
 
-def check_plausible(
-    quantity: Quantity, column: str, unit: str, factor: float, si: Array
-) -> None:
+def check_plausible(quantity: Quantity, column: str, unit: str, factor: float, si: Array) -> None:
     """Raise BadInput that names column, row and value in the file's own unit."""
     if quantity.dimension == "speed":
         _check_speed(column, unit, factor, si)
