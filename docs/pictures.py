@@ -18,7 +18,8 @@ from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
 
 from twin.pipeline.named import load
-from twin.pipeline.run import Run, run
+from twin.pipeline.result import Result
+from twin.pipeline.run import run
 from twin.report.palette import FIGURE, TRUTH_COLOUR, colours
 from twin.scores.scores import seconds
 from twin.simulation.build import build
@@ -49,7 +50,7 @@ def main() -> None:
     (HERE / "estimates.svg").write_text(slip(result), encoding="utf-8")
 
 
-def ploughing(result: Run) -> np.ndarray[Any, Any]:
+def ploughing(result: Result) -> np.ndarray[Any, Any]:
     """The tractor at its work. Shape (HEIGHT, WIDTH, 3)."""
     machine = build(result.scenario, looks=True, settle=False)  # type: ignore[arg-type]
     model = machine.model
@@ -101,7 +102,7 @@ def _add_box(scene: Any, centre: Any, half_m: Any, rotation: Any) -> None:
     scene.ngeom += 1
 
 
-def slip(result: Run) -> str:
+def slip(result: Result) -> str:
     """Truth against estimates, as SVG."""
     window_s = (18.0, 38.0)
     with mpl.rc_context(LINE):

@@ -6,9 +6,8 @@ import pytest
 from tests.synthetic_run import synthetic_run
 from twin.errors import BadInput
 from twin.pipeline import named as registry
-from twin.pipeline.estimating import estimates, estimates_or_nan
+from twin.pipeline.estimating import all_estimates, estimates
 from twin.plugins.percent import percent_note
-from twin.streams import ESTIMATES
 
 RUN = synthetic_run(duration_s=4.0)
 HEAD = (
@@ -102,24 +101,23 @@ def test_no_estimator_changes_what_another_sees_or_what_is_saved():
             np.testing.assert_array_equal(values, RUN.streams[sensor][column])
 
 
-def test_one_that_fails_is_named_and_gives_rows_of_nan():
-    epochs = RUN.streams["wheels"]["epoch_ns"]
-    table, note = estimates_or_nan("mine", Fails(), RUN.setup, RUN.streams, epochs)
-    assert "estimator 'mine' fails: ZeroDivisionError: no speed (test_estimating.py, line" in note
-    assert note.endswith("its estimates are NaN")
-    assert set(table) == set(ESTIMATES) - {"flags"}
-    np.testing.assert_array_equal(table["epoch_ns"], epochs)
-    assert np.isnan(table["slip"]).all()
+def test_one_that_fails_is_named_and_the_others_go_on():
+    done = all_estimates({"mine": Fails(), "adds": Adds()}, RUN.setup, RUN.streams)
+    assert "estimator 'mine' fails: ZeroDivisionError: no speed (test_estimating.py, line" in (
+        done.failed["mine"]
+    )
+    assert done.notes == (done.failed["mine"],)
+    assert np.isnan(done.tables["mine"]["slip"]).all()
+    assert np.all(done.tables["adds"]["slip"] == 0.1)
 
 
 def test_a_slip_in_percent_is_told_and_a_ratio_is_not():
-    rows = RUN.streams["wheels"]["epoch_ns"]
-    assert estimates_or_nan("adds", Adds(), RUN.setup, RUN.streams, rows)[1] is None
-    table, note = estimates_or_nan("mine", Percent(), RUN.setup, RUN.streams, rows)
-    assert note == (
-        "slip of 'mine' has median 12.3: it looks like percent; slip is a ratio, 0.123"
+    done = all_estimates({"adds": Adds(), "mine": Percent()}, RUN.setup, RUN.streams)
+    assert not done.failed
+    assert done.notes == (
+        "slip of 'mine' has median 12.3: it looks like percent; slip is a ratio, 0.123",
     )
-    assert table["slip"][0] == pytest.approx(12.3)
+    assert done.tables["mine"]["slip"][0] == pytest.approx(12.3)
 
 
 def test_slip_while_standing_is_no_sign_of_percent():

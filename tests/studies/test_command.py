@@ -112,7 +112,10 @@ def test_failed_runs_are_told_kept_and_tried_again_only_when_asked(tmp_path, cap
         tmp_path / "s",
     ]
     assert study(*asked) == 0
-    said = "failed: tests.studies.brought:ODD, ratio: scenario 'odd': measure fails: ArithmeticError: odd"
+    said = (
+        "failed: tests.studies.brought:ODD, ratio: "
+        "scenario 'odd': measure fails: ArithmeticError: odd"
+    )
     assert said in capsys.readouterr().out
     parts = {p: p.stat().st_mtime_ns for p in (tmp_path / "s" / "parts").iterdir()}
     assert study(*asked, "--retry-failed") == 0

@@ -42,7 +42,8 @@ def test_what_fails_is_a_row_with_its_error(tmp_path):
     )
     work(cases, tmp_path, jobs=1)
     rows = read(cases, tmp_path).to_pylist()
-    said = "estimator 'tests.studies.brought:Failing' fails: RuntimeError: no idea (brought.py, line 48)"
+    failing = "estimator 'tests.studies.brought:Failing' fails"
+    said = f"{failing}: RuntimeError: no idea (brought.py, line 48)"
     odd = "scenario 'odd': measure fails: ArithmeticError: odd (brought.py, line 15)"
     assert [r["error"] for r in rows] == [None, said, odd, odd, None, said]
     assert [r["slip.rmse"] is None for r in rows] == [False, True, True, True, False, True]

@@ -21,7 +21,7 @@ from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeAlias, TypeVar
 
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, InTreeCacheLocator
@@ -30,7 +30,7 @@ from numba.core.sigutils import normalize_signature
 
 P = ParamSpec("P")
 R = TypeVar("R")
-Untyped = Any
+Untyped: TypeAlias = Any
 """What is numba's own, which has no types."""
 Function = Callable[..., Untyped]
 

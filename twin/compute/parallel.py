@@ -7,18 +7,18 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from multiprocessing import resource_tracker
-from typing import Any
+from typing import Any, TypeAlias
 
 import joblib
 
-Result = Any
+Result: TypeAlias = Any
 """What a call gives; and a call as joblib has it, which has no types."""
 Told = Callable[[int, int], None]
 """Told how many of how many are done."""
 
 
 def _nobody(done: int, total: int) -> None:
-    """Nobody wants to know."""
+    """No progress is shown."""
 
 
 _TOLD: ContextVar[Told] = ContextVar("told", default=_nobody)

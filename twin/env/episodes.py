@@ -17,7 +17,7 @@ from twin.env.observations import Entry
 from twin.env.starts import Starts
 from twin.errors import BadInput, UnknownName, check_range
 from twin.pipeline import named as registry
-from twin.pipeline.run import Estimator
+from twin.pipeline.estimating import Estimator
 
 Array = NDArray[np.float64]
 

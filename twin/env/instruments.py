@@ -9,7 +9,7 @@ from typing import Any
 from twin import sensors
 from twin.machine.build import Machine
 from twin.machine.geometry import geometry
-from twin.pipeline.run import Estimator
+from twin.pipeline.estimating import Estimator
 from twin.simulation.columns import Recorder
 from twin.streams import COLUMNS, ESTIMATES, WHEELS, Streams, Table
 from twin.trajectory.trajectory import Trajectory

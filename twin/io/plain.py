@@ -10,12 +10,12 @@ import math
 import types
 import typing
 from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 from twin.errors import BadInput
 
 T = TypeVar("T")
-Plain = Any
+Plain: TypeAlias = Any
 """A value of a JSON file, or what it stands for; also of a foreign library without types."""
 
 

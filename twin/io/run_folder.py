@@ -11,10 +11,7 @@ from __future__ import annotations
 import json
 import os
 import re
-import shutil
-import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -22,6 +19,7 @@ from typing import Protocol
 import numpy as np
 
 from twin.errors import BadInput, TwinError
+from twin.io.atomic import renamed_when_complete
 from twin.io.plain import Plain, from_plain, to_plain
 from twin.streams import COLUMNS, Array, Setup, Streams, Table, check
 
@@ -113,13 +111,10 @@ def write(
         BadInput: the name is taken by something else, or cannot be written.
     """
     refuse_foreign(directory)
-    try:
-        with renamed_when_complete(directory) as partial:
-            _write_all(run, scores, partial)
-            for name, picture in (pictures or {}).items():
-                picture(run, scores, partial / name)
-    except OSError as error:
-        raise BadInput(f"{directory} cannot be written: {error.strerror or error}") from None
+    with renamed_when_complete(directory) as partial:
+        _write_all(run, scores, partial)
+        for name, picture in (pictures or {}).items():
+            picture(run, scores, partial / name)
     return directory
 
 
@@ -148,32 +143,6 @@ def write_failed(evidence: Evidence) -> Path:
     return directory
 
 
-@contextmanager
-def renamed_when_complete(directory: Path) -> Iterator[Path]:
-    """A hidden sibling to write into, which takes the directory's name and place when left."""
-    directory.parent.mkdir(parents=True, exist_ok=True)
-    partial = Path(tempfile.mkdtemp(prefix=f".{directory.name}.", dir=directory.parent))
-    try:
-        partial.chmod(0o755)  # mkdtemp makes it private
-        yield partial
-        _swap(partial, directory)
-    finally:
-        shutil.rmtree(partial, ignore_errors=True)
-
-
-def _swap(new: Path, directory: Path) -> None:
-    """Put `new` under the final name; what was there goes away only afterwards."""
-    if not directory.exists():
-        new.rename(directory)
-        return
-    old = Path(tempfile.mkdtemp(prefix=f".{directory.name}.old.", dir=directory.parent))
-    try:
-        directory.rename(old / "run")
-        new.rename(directory)
-    finally:
-        shutil.rmtree(old, ignore_errors=True)
-
-
 def _write_all(run: RunLike, scores: Mapping[str, Plain], directory: Path) -> None:
     (directory / STREAMS).mkdir()
     (directory / SCENARIO).write_text(_json(to_plain(run.scenario)))
@@ -182,7 +151,7 @@ def _write_all(run: RunLike, scores: Mapping[str, Plain], directory: Path) -> No
     for name, table in run.streams.tables.items():
         if all(np.ndim(column) == 1 for column in table.values()):
             write_parquet(table, directory / STREAMS / f"{name}.parquet")
-    if run.truth is not None:
+    if run.truth:
         write_parquet(run.truth, directory / TRUTH)
     write_parquet(stack(run.estimates), directory / ESTIMATES)
 

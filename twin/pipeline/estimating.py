@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Protocol, TypeVar
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,21 +14,67 @@ from twin.plugins.failing import failing
 from twin.plugins.percent import percent_note
 from twin.streams import ESTIMATES, Setup, Streams, Table
 
-State = TypeVar("State")
 QUANTITIES = tuple(c for c in ESTIMATES if c not in ("epoch_ns", "flags"))
+"""What an estimate may tell; flags say how."""
 
 
-class Estimator(Protocol[State]):
+class Estimator(Protocol):
     """What consumes streams: a state at the start, then a new state and estimates per chunk."""
 
-    def init(self, setup: Setup) -> State:
+    def init(self, setup: Setup) -> Any:
         """State before the first sample."""
 
-    def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
+    def run(self, state: Any, chunk: Streams) -> tuple[Any, Table]:
         """New state, and what is estimated from the chunk."""
 
 
-def estimates(name: str, estimator: Estimator[State], setup: Setup, streams: Streams) -> Table:
+@dataclass(frozen=True)
+class Estimated:
+    """The tables of several estimators, and what became of those that failed."""
+
+    tables: dict[str, Table]
+    failed: dict[str, str]
+    """Estimator -> why it failed."""
+    notes: tuple[str, ...] = ()
+    """What a reader should know of them: the failures, and a slip that looks like percent."""
+
+
+def all_estimates(
+    estimators: Mapping[str, Estimator],
+    setup: Setup,
+    streams: Streams,
+    told: Callable[[int, int], None] = lambda done, total: None,
+) -> Estimated:
+    """Every estimator over whole streams; one that fails gives NaN and a note, the others go on.
+
+    Args:
+        estimators: by name.
+        setup, streams: what each is told, and what it sees.
+        told: told how many of how many are done.
+    """
+    tables: dict[str, Table] = {}
+    failed: dict[str, str] = {}
+    notes: list[str | None] = []
+    for done, (name, estimator) in enumerate(estimators.items()):
+        told(done, len(estimators))
+        try:
+            tables[name] = estimates(name, estimator, setup, streams)
+            notes.append(percent_note(f"slip of '{name}'", tables[name], streams))
+        except TwinError as error:
+            tables[name] = _unknown(streams)
+            failed[name] = str(error)
+            notes.append(failed[name])
+    return Estimated(tables, failed, tuple(note for note in notes if note is not None))
+
+
+def _unknown(streams: Streams) -> Table:
+    """Estimates that say nothing, at the epochs of the longest stream."""
+    epochs = [table["epoch_ns"] for table in streams.tables.values()]
+    epoch_ns = max(epochs, key=len, default=np.empty(0, np.int64))
+    return {"epoch_ns": epoch_ns, "slip": np.full(len(epoch_ns), np.nan)}
+
+
+def estimates(name: str, estimator: Estimator, setup: Setup, streams: Streams) -> Table:
     """The table of an estimator over whole streams, `epoch_ns` as int64.
 
     Args:
@@ -50,36 +97,6 @@ def estimates(name: str, estimator: Estimator[State], setup: Setup, streams: Str
         return _checked(given[1])
     except TwinError as error:
         raise BadInput(f"estimator '{name}': {error}") from None
-
-
-def estimates_or_nan(
-    name: str,
-    estimator: Estimator[State],
-    setup: Setup,
-    streams: Streams,
-    epoch_ns: NDArray[np.int64],
-) -> tuple[Table, str | None]:
-    """As `estimates`, where one estimator's failure leaves the others their run.
-
-    Args:
-        name, estimator, setup, streams: as those of `estimates`.
-        epoch_ns: where the rows of an estimator that fails stand, shape (n,).
-
-    Returns:
-        The table, every quantity NaN if the estimator fails, and a sentence on what is wrong with
-        it; None where nothing is.
-    """
-    try:
-        table = estimates(name, estimator, setup, streams)
-    except TwinError as error:
-        return unknown(epoch_ns), f"{error}; its estimates are NaN"
-    return table, percent_note(f"slip of '{name}'", table, streams)
-
-
-def unknown(epoch_ns: NDArray[np.int64]) -> Table:
-    """Estimates of which nothing is known: every quantity NaN at the epochs."""
-    table: Table = {"epoch_ns": np.asarray(epoch_ns, np.int64)}
-    return table | {quantity: np.full(len(epoch_ns), np.nan) for quantity in QUANTITIES}
 
 
 def _checked(given: Mapping[str, ArrayLike]) -> Table:

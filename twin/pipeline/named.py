@@ -47,8 +47,16 @@ def load(kind: str, spec: str) -> Any:
         if spec not in known:
             raise UnknownName(kind, spec, known)
         spec = known[spec]
-    found = attribute(kind, spec)
-    return (_estimator if kind == "estimator" else _scenario)(spec, found)
+    return checked(kind, spec, attribute(kind, spec))
+
+
+def checked(kind: str, name: str, found: Any) -> Any:
+    """The thing itself where it is one of its kind; a class is made into an instance.
+
+    Raises:
+        BadInput: it lacks what one of its kind has, or cannot be made.
+    """
+    return (_estimator if kind == "estimator" else _scenario)(name, found)
 
 
 def _registry(kind: str) -> Mapping[str, str]:

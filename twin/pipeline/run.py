@@ -7,9 +7,7 @@ import time
 from collections import ChainMap
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
 
 import numpy as np
 
@@ -17,12 +15,13 @@ from twin import sensors
 from twin.camera import tracking
 from twin.camera.frames import DrawnFrames
 from twin.camera.tracking import Tracker
-from twin.errors import BadInput, TwinError
 from twin.machine.build import Machine
 from twin.machine.geometry import geometry
-from twin.pipeline import estimating
+from twin.pipeline.estimating import Estimator, all_estimates
+from twin.pipeline.result import Measured, Result
 from twin.pipeline.unread import refuse_unread
-from twin.plugins.lookup import line, where
+from twin.plugins.failing import failing
+from twin.plugins.percent import percent_note
 from twin.scenario import Scenario
 from twin.scenario.route import length_m
 from twin.sensors import Sensors
@@ -32,7 +31,7 @@ from twin.simulation.build import build
 from twin.simulation.driver import full_depth_m
 from twin.simulation.notes import notes, unheld
 from twin.streams import Frames, Setup, Streams, Table, concatenate
-from twin.trajectory.end import End, Outcome
+from twin.trajectory.end import End
 from twin.truth import truth
 
 Progress = Callable[[float, float], None]
@@ -41,63 +40,13 @@ KEPT_EVERY = 10
 """Of the camera's frames every so many are kept to be looked at."""
 
 
-class Estimator(Protocol):
-    """What consumes streams: a state at the start, then a new state and estimates per chunk."""
-
-    def init(self, setup: Setup) -> Any:
-        """State before the first sample."""
-
-    def run(self, state: Any, chunk: Streams) -> tuple[Any, Table]:
-        """New state, and what is estimated from the chunk."""
-
-
-class Measured(Protocol):
-    """A scenario of signals without a machine: it gives measurements and truth itself."""
-
-    @property
-    def name(self) -> str:
-        """What it is called."""
-
-    @property
-    def seed(self) -> int:
-        """Of all its chance."""
-
-    def measure(self) -> tuple[Setup, Streams, Table]:
-        """What the estimators are told, what they see, and the truth."""
-
-
-@dataclass(frozen=True)
-class Run:
-    """What a run produced."""
-
-    scenario: Scenario | Measured
-    """What was driven, its presets' numbers in it."""
-    setup: Setup
-    streams: Streams
-    truth: Table
-    estimates: dict[str, Table]
-    wall_s: float
-    end: End | None = None
-    """How, when and where the run ended; None of signals without a machine."""
-    frames: Frames | None = None
-    """Some of the camera's frames by number, drawn when asked for."""
-    notes: tuple[str, ...] = ()
-    """What a reader should know before its numbers, in sentences: where it leaves the range in
-    which its soil law was measured, or the engine its own."""
-
-    @property
-    def ended(self) -> str:
-        """How the run ended, in words."""
-        return str(self.end or Outcome.DRIVEN)
-
-
 def run(
     scenario: Scenario | Measured,
     *,
     estimators: Mapping[str, Estimator],
     progress: Progress | None = None,
     frames: Path | None = None,
-) -> Run:
+) -> Result:
     """Drive a scenario, sense it, and estimate from what was sensed.
 
     Args:
@@ -107,8 +56,8 @@ def run(
         frames: folder where the camera's frames are saved as PNG.
 
     Raises:
-        BadInput: a field is set that the run would not read, or an estimator or the signals fail;
-            says which and where.
+        BadInput: a field is set that the run would not read, or the signals fail; says which and
+            where. An estimator that fails gives NaN and a note.
         Diverged: the simulation left the finite numbers; its evidence repeats the last second.
     """
     start = time.perf_counter()
@@ -125,29 +74,33 @@ def run(
         said += tuple(f"calibration: {leg}" for leg in before if not leg.as_planned)
     else:
         setup, streams, true = _measured(scenario)
+        odd = percent_note("slip of the truth", true, streams)
+        said = () if odd is None else (odd,)
+    done = all_estimates(estimators, setup, streams)
     start_ns = int(true["epoch_ns"][0])
-    estimates = {
-        name: _of_the_run(estimating.estimates(name, estimator, setup, streams), start_ns)
-        for name, estimator in estimators.items()
-    }
-    wall_s = time.perf_counter() - start
-    return Run(scenario, setup, streams, true, estimates, wall_s, end, kept, said)
+    return Result(
+        scenario,
+        setup,
+        streams,
+        true,
+        {name: _of_the_run(table, start_ns) for name, table in done.tables.items()},
+        wall_s=time.perf_counter() - start,
+        end=end,
+        frames=kept,
+        notes=(*said, *done.notes),
+        failed=done.failed,
+    )
 
 
 def _measured(scenario: Measured) -> tuple[Setup, Streams, Table]:
     """The signals of a scenario without a machine. Raises BadInput where they cannot be had."""
-    try:
+    with failing(f"scenario '{scenario.name}': measure", scenario):
         setup, streams, true = scenario.measure()
-    except TwinError:
-        raise
-    except Exception as error:  # whatever a user's scenario raises
-        text = f"scenario '{scenario.name}': measure fails: {line(error)}{where(error, scenario)}"
-        raise BadInput(text) from error
     return setup, streams, true
 
 
 def _silent(fraction: float, driven_s: float) -> None:
-    """Nobody wants to know."""
+    """No progress is shown."""
 
 
 def sense(

@@ -7,11 +7,11 @@ import os
 import sys
 import traceback
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from twin.errors import BadInput, UnknownName
 
-Thing = Any
+Thing: TypeAlias = Any
 """Whatever a user's module has."""
 
 

@@ -107,20 +107,20 @@ def _found(scores: Mapping[str, Any]) -> str:
 def _figures(run: RunLike, scores: Mapping[str, Any]) -> Iterable[tuple[str, str, str]]:
     window = tuple(scores["window_s"]) if scores.get("window_s") else None
     truth, estimates, bound = run.truth, run.estimates, scores.get("bound") or {}
-    caption = SLIP_OVER_TIME if truth is not None else "Bands: ±2 reported standard deviations."
+    caption = SLIP_OVER_TIME if truth else "Bands: ±2 reported standard deviations."
     yield "Slip", figures.slip(truth, estimates, window, bound), caption
-    if truth is not None and window is not None:
+    if truth and window is not None:
         given: Any = (truth, estimates, window, bound)
         yield "Slip error", errors.slip_error(*given), ERROR_OVER_TIME
         yield "Distribution of the slip error", errors.histogram(*given), "In the scored window."
     yield "Sideslip", figures.sideslip(truth, estimates), "At the centre of gravity; + is left."
-    if truth is not None and window is not None:
+    if truth and window is not None:
         yield "Sideslip angle error", errors.angle_error(*given), ERROR_OVER_TIME
     yield "Path", figures.path(truth, run.streams), "East and north differ in scale."
     yield "Draft and depth", figures.draft(truth), ""
     yield "Speeds", figures.speeds(truth, estimates), "At the rear-axle centre."
     yield "Power", figures.power(truth, window), "Means within the scored window."
-    if truth is not None and window is not None:
+    if truth and window is not None:
         yield "Honesty", errors.nees(truth, estimates, window), HONESTY
 
 

@@ -6,7 +6,7 @@ Pure functions on tables. A NaN, in the estimate or in the truth, is left out an
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from twin.trajectory.end import End
 
 Array = NDArray[np.float64]
+Scores: TypeAlias = dict[str, Any]
+"""The tree of scores.json: numbers, text and None by name."""
 
 SETTLE_S = 5.0
 """Without ploughing the first seconds are a start from standstill and are not scored [s]."""
@@ -113,7 +115,7 @@ def score(
     scenario: str,
     seed: int | None,
     window: tuple[float, float] | None = None,
-) -> dict[str, Any]:
+) -> Scores:
     """Scores of all estimators, as written to scores.json.
 
     Args:
@@ -124,7 +126,7 @@ def score(
         window: first and last epoch that count [s]; by default that of `window_s`.
     """
     head = {"scenario": scenario, "seed": seed}
-    if truth is None or len(truth["epoch_ns"]) == 0:
+    if not truth or len(truth["epoch_ns"]) == 0:
         return head | {"window_s": None, "truth": {}, "estimators": {n: {} for n in estimates}}
     span = window if window is not None else window_s(truth)
     return head | {
@@ -158,10 +160,10 @@ def truth_summary(truth: Table, window: tuple[float, float]) -> dict[str, float 
 
 def estimator_scores(
     truth: Table, estimates: Table, window: tuple[float, float]
-) -> dict[str, dict[str, Any]]:
+) -> dict[str, Scores]:
     """Errors of slip and sideslip angle, and of the sideslip totals, where truth has them."""
     part = _cut(estimates, window)
-    found: dict[str, dict[str, Any]] = {}
+    found: dict[str, Scores] = {}
     for key, column, sd in (
         ("slip", "slip", "slip_sd"),
         ("sideslip_angle_rad", "sideslip_rad", "sideslip_sd_rad"),
@@ -191,7 +193,7 @@ def at(table: Table, column: str, epoch_ns: NDArray[np.int64]) -> Array:
     return values
 
 
-def error_scores(error: Array, sd: Array | None = None) -> dict[str, Any]:
+def error_scores(error: Array, sd: Array | None = None) -> Scores:
     """Size of an error, and whether the reported standard deviation agrees with it.
 
         rmse = sqrt(mean e**2)   mae = mean |e|   max = max |e|   bias = mean e
@@ -209,7 +211,7 @@ def error_scores(error: Array, sd: Array | None = None) -> dict[str, Any]:
     if len(e) == 0:
         return dict.fromkeys(("rmse", "mae", "max", "bias", "p999")) | counts
     size = np.abs(e)
-    result: dict[str, Any] = {
+    result: Scores = {
         "rmse": float(np.sqrt(np.mean(e**2))),
         "mae": float(np.mean(size)),
         "max": float(np.max(size)),

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from twin.sensors.nominal import Geometry
     from twin.trajectory.trajectory import Trajectory
 
-State = Any
+State: TypeAlias = Any
 """Whatever a sensor carries from chunk to chunk."""
 
 STREAM = re.compile("[a-z][a-z0-9_]*")

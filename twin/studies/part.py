@@ -7,12 +7,12 @@ that was not driven as planned is no failure; its rows say how it ended, and wha
 from __future__ import annotations
 
 import dataclasses
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from twin.errors import TwinError
+from twin.io.atomic import written_when_complete
 from twin.pipeline import named as registry
 from twin.pipeline.estimating import estimates
 from twin.plugins.lookup import line
@@ -28,15 +28,8 @@ def write(case: Case, folder: Path) -> None:
     import pyarrow.parquet as pq
 
     table = pa.Table.from_pylist(rows(case))
-    partial = folder / f".{case.part}.{os.getpid()}"
-    try:
-        with partial.open("wb") as file:
-            pq.write_table(table, file, compression="zstd")
-            file.flush()
-            os.fsync(file.fileno())
-        partial.replace(folder / case.part)
-    finally:
-        partial.unlink(missing_ok=True)
+    with written_when_complete(folder / case.part) as partial:
+        pq.write_table(table, partial, compression="zstd")
 
 
 def rows(case: Case) -> list[Row]:

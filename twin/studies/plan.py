@@ -18,8 +18,7 @@ from twin.errors import BadInput
 from twin.io.plain import to_plain
 from twin.pipeline import named as registry
 from twin.pipeline.unread import complaint
-from twin.scenario import Scenario
-from twin.studies import fields
+from twin.scenario import Scenario, fields
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from twin.errors import BadInput
+from twin.io.atomic import written_when_complete
 from twin.plugins.lookup import line
 from twin.studies.plan import Case
 
@@ -60,6 +61,5 @@ def write_table(table: Any, path: Path) -> None:
     """A table as one Parquet file, in place of an earlier one only when whole."""
     import pyarrow.parquet as pq
 
-    partial = path.with_name(f".{path.name}")
-    pq.write_table(table, partial, compression="zstd")
-    partial.replace(path)
+    with written_when_complete(path) as partial:
+        pq.write_table(table, partial, compression="zstd")

@@ -108,7 +108,7 @@ def log_gnss(
     up_m = fixes.get("up_m", np.zeros(len(fixes["epoch_ns"])))
     points = np.stack([fixes["east_m"], fixes["north_m"], up_m], axis=1)
     kept = np.isfinite(points).all(axis=1)
-    if truth is not None:
+    if truth:
         kept &= fixes["epoch_ns"] >= truth["epoch_ns"][0]
     if not np.any(kept):
         return

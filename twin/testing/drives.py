@@ -1,21 +1,28 @@
-"""Streams of a straight drive with known speeds, and their truth."""
+"""Streams of a straight drive whose speed and slip are known functions of time."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from twin.streams import GnssSetup, ImuSetup, Setup, Streams, WheelsSetup
+from twin.streams import GnssSetup, ImuSetup, Setup, Streams, Table, WheelsSetup
+
+Array = NDArray[np.float64]
+Of = Callable[[Array], Array]
+"""A quantity over time [s]."""
+Noise = Callable[[float, tuple[int, ...]], Array]
 
 RADIUS_M = {"fl": 0.6, "fr": 0.6, "rl": 0.8, "rr": 0.8}
 GRAVITY_MPS2 = 9.81
 
 
-def setup(**overrides) -> Setup:
-    """A tractor's set-up with data-sheet noise."""
-    fields = {
+def setup(**overrides: Any) -> Setup:
+    """A tractor's set-up with data-sheet noise; `overrides` are fields of `Setup`."""
+    fields: dict[str, Any] = {
         "machine": "synthetic",
         "wheelbase_m": 2.55,
         "track_front_m": 1.7,
@@ -45,8 +52,8 @@ def setup(**overrides) -> Setup:
 class Drive:
     """A straight drive along a heading; speed [m/s] and slip of the rear wheels over time."""
 
-    speed: Callable = lambda t: 1.6 + 0.2 * np.sin(0.9 * t)
-    slip: Callable = lambda t: 0.12 + 0.05 * np.sin(0.5 * t)
+    speed: Of = lambda t: 1.6 + 0.2 * np.sin(0.9 * t)
+    slip: Of = lambda t: 0.12 + 0.05 * np.sin(0.5 * t)
     duration_s: float = 10.0
     heading_rad: float = 0.7
     gnss_hz: float = 20.0
@@ -56,32 +63,42 @@ class Drive:
     ticks: bool = True
     noise: float = 1.0
     """Scale of all noise; 0 for none (ticks are then not rounded)."""
-    pitch: Callable = lambda t: 0.0 * t
+    pitch: Of = lambda t: 0.0 * t
     """Pitch, nose up [rad]: gravity's leak into the accelerometer, and the antenna's motion."""
 
 
-def times(drive: Drive, hz: float) -> np.ndarray:
+def times(drive: Drive, hz: float) -> Array:
+    """Sample times at a rate [s]."""
     return np.arange(1, int(drive.duration_s * hz) + 1) / hz
 
 
-def stamps(t: np.ndarray, delay_s: float = 0.0) -> dict[str, np.ndarray]:
+def stamps(t: Array, delay_s: float = 0.0) -> Table:
+    """Epochs and arrivals of samples [ns]; the drive begins at 1 s."""
     epoch = np.round(t * 1e9).astype(np.int64) + 1_000_000_000
     return {"epoch_ns": epoch, "arrival_ns": epoch + round(delay_s * 1e9)}
 
 
-def seconds(epoch_ns: np.ndarray) -> np.ndarray:
-    return (epoch_ns - 1_000_000_000) * 1e-9
+def seconds(epoch_ns: NDArray[np.int64]) -> Array:
+    """Time since the drive began [s]."""
+    return np.asarray((epoch_ns - 1_000_000_000) * 1e-9, np.float64)
 
 
-def derivative(f: Callable, t: np.ndarray) -> np.ndarray:
+def derivative(f: Of, t: Array) -> Array:
+    """Central difference of a function of time."""
     return (f(t + 1e-4) - f(t - 1e-4)) / 2e-4
 
 
 def streams(drive: Drive, of: Setup, seed: int = 1) -> Streams:
-    """The streams of a drive."""
+    """The streams of a drive: gnss, imu and wheels, with data-sheet noise from the seed.
+
+    Raises:
+        ValueError: the set-up has no gnss or no imu.
+    """
+    if of.gnss is None or of.imu is None:
+        raise ValueError("a drive needs a set-up with gnss and imu")
     rng = np.random.default_rng(seed)
 
-    def noise(sd: float, shape) -> np.ndarray:
+    def noise(sd: float, shape: tuple[int, ...]) -> Array:
         return drive.noise * sd * rng.standard_normal(shape)
 
     t = times(drive, drive.gnss_hz)
@@ -112,7 +129,7 @@ def streams(drive: Drive, of: Setup, seed: int = 1) -> Streams:
     return Streams({"gnss": gnss, "imu": imu, "wheels": _wheels(drive, noise)})
 
 
-def _wheels(drive: Drive, noise: Callable) -> dict[str, np.ndarray]:
+def _wheels(drive: Drive, noise: Noise) -> Table:
     t = times(drive, drive.wheels_hz)
     table = stamps(t)
     fine = np.arange(0, len(t) * 20 + 1) / (20 * drive.wheels_hz)
@@ -125,7 +142,7 @@ def _wheels(drive: Drive, noise: Callable) -> dict[str, np.ndarray]:
             continue
         w = wheel_speed(drive, wheel, fine)
         path = np.concatenate([[0.0], np.cumsum(0.5 * (w[1:] + w[:-1]) * np.diff(fine))])
-        turned = drive.pitch(fine[20::20]) - drive.pitch(0.0)  # counters turn with the body
+        turned = drive.pitch(fine[20::20]) - drive.pitch(np.zeros(1))  # counters turn with the body
         ticks = (path[20::20] / radius + turned) / (2 * np.pi) * 4000
         table[f"ticks_{wheel}"] = np.floor(ticks).astype(np.int64) if drive.noise else ticks
     if not drive.ticks:
@@ -133,6 +150,7 @@ def _wheels(drive: Drive, noise: Callable) -> dict[str, np.ndarray]:
     return table
 
 
-def wheel_speed(drive: Drive, wheel: str, t: np.ndarray) -> np.ndarray:
+def wheel_speed(drive: Drive, wheel: str, t: Array) -> Array:
+    """Rim speed w R of a wheel: v / (1 - s) of the driven ones [m/s]."""
     slip = drive.slip(t) if wheel in ("rl", "rr") else 0.0
     return drive.speed(t) / (1 - slip)

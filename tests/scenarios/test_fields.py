@@ -4,7 +4,7 @@ import pytest
 
 from scenarios.plough import CM_25, SLIP_PATCH
 from twin.errors import BadInput, OutOfRange, UnknownName
-from twin.studies import fields
+from twin.scenario import fields
 
 
 def test_a_field_is_read_and_replaced_at_any_depth():
