@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import TracebackType
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,17 @@ from twin.camera.pinhole import Array, Pinhole, View, exposed, ground_points, ro
 from twin.camera.planar import SUBFRAME_PX
 from twin.camera.soil_texture import TILE
 from twin.errors import OutOfRange, TwinError
+
+
+class Context(Protocol):
+    """A graphics context of MuJoCo's."""
+
+    def make_current(self) -> None:
+        """Draw here from now on."""
+
+    def free(self) -> None:
+        """Let go of it."""
+
 
 _GL_FROM_CV = np.diag([1.0, -1.0, -1.0])
 _MODEL = """
@@ -146,12 +157,13 @@ class PatchRenderer:
             raise OutOfRange("picture", f"{out_m:.2f} m beyond", "the patch that is drawn")
 
 
-def _driver(lens: Pinhole) -> Any:
+def _driver(lens: Pinhole) -> Context:
     """An EGL context of the picture's size, whatever MUJOCO_GL says. Raises NoGraphics."""
     try:
         from mujoco.egl import GLContext
 
-        return GLContext(lens.width_px, lens.height_px)
+        context: Context = GLContext(lens.width_px, lens.height_px)
+        return context
     except Exception as error:  # each platform fails in a way of its own
         raise NoGraphics(
             "the off-screen renderer needs an EGL driver; on Debian: apt install libegl1 "
