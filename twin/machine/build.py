@@ -23,6 +23,7 @@ from twin.machine.plough_setting import (
     set_plough,
 )
 from twin.machine.start import settled, standing, unloaded_speed_mps, unsettled
+from twin.machine.turnover import turn_over
 from twin.physics import block
 from twin.physics.callback import install
 from twin.scenario import Plough, Scenario
@@ -100,6 +101,7 @@ def build(
     _add_activations(spec)
     if scenario.plough is not None:
         _fit_tractor(spec, scenario.plough, numbers)
+        turn_over(spec, scenario.plough, numbers)
         spec.body("plough.frame").quat = levelled(furrow_roll_rad(scenario, spec))
     spec.option.timestep = scenario.timestep_s
     spec.add_sensor(name="potential_j", type=mujoco.mjtSensor.mjSENS_E_POTENTIAL)
