@@ -16,7 +16,7 @@ def record(run: RunLike, scores: Mapping[str, Any], path: Path) -> None:
     if hasattr(run.scenario, "machine"):
         machine = _machine(run.scenario)
         ground = viz.Ground(world_from_ground=machine.world_from_ground, maps=machine.maps)
-        viz.record(run, path, model=machine.model, ground=ground)
+        viz.record(run, path, model=machine.model, turned=_turned(run.scenario), ground=ground)
     else:  # signals without a machine are drawn as a log is
         viz.log(
             path,
@@ -31,3 +31,12 @@ def _machine(scenario: Any) -> Any:
     from twin.machine.build import build
 
     return build(scenario, looks=True, settle=False)
+
+
+def _turned(scenario: Any) -> Any:
+    """The machine as it comes back, its plough turned over; None where it only goes there."""
+    if scenario.plough is None or scenario.course.passes == 1:
+        return None
+    from twin.machine.passes import turned_over
+
+    return _machine(turned_over(scenario)).model
