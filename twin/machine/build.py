@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -74,6 +75,7 @@ def build(
     looks: bool = False,
     settle: bool = True,
     setting: Setting | None = None,
+    dress: Callable[[Any], None] | None = None,
 ) -> Machine:
     """Compile the machine of a scenario and install the laws.
 
@@ -86,6 +88,7 @@ def build(
         settle: let it come to rest on its tyres, which driving needs and looking does not.
         setting: how the hitch is set; None leaves it to the operator, who drives a trial furrow
             where the depth is not trimmed on the way.
+        dress: adds to the specification what only the eye wants; for a machine that is looked at.
     """
     install()
     spec = mujoco.MjSpec.from_file(str(model_path(scenario.machine)))
@@ -109,6 +112,8 @@ def build(
     spec.nuserdata = block.RATE_SLOTS + _activation_count(spec)
     spec.add_numeric(name="tractor_twin", size=block.SIZE, data=[0.0] * block.SIZE)
     spec.compiler.discardvisual = not looks
+    if dress is not None:
+        dress(spec)
     model = spec.compile()
     hitch = _hitch(spec)
     reflected = numbers["engine.inertia_kgm2"] * scenario.drive.gear_ratio**2

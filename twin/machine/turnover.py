@@ -28,7 +28,9 @@ def turn_over(spec: Any, plough: Plough, numbers: dict[str, float]) -> None:
         numbers: the models' <numeric> values.
     """
     side = FURROW_SIDES[plough.furrow]
-    shift_m = 0.0 if side == 0 else numbers["furrow.edge_m"] - furrow_edge_m(numbers, plough.depth_m)
+    shift_m = (
+        0.0 if side == 0 else numbers["furrow.edge_m"] - furrow_edge_m(numbers, plough.depth_m)
+    )
     mirror = -1.0 if side < 0 else 1.0
     frames = [frame for frame in spec.frames if frame.name.startswith(ASIDE)]
     alone = [s for s in spec.sites if s.name.startswith(SHARE) and not _inside(s, ASIDE)]

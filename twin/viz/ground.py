@@ -31,6 +31,8 @@ Array = NDArray[Any]
 CELL_M, FAR_CELL_M, FINE_M, FAR_M = 0.3, 3.0, 7.0, 45.0
 """Mesh near the path and beyond it, and how far each reaches."""
 SHALLOWEST_M, STRIPS_HZ = 0.05, 2.0
+SHADES = np.array([1.0, 0.88, 1.06, 0.94])
+"""Brightness of slices that lie side by side."""
 COLOURS = {"asphalt": (104, 104, 108), "gravel": (150, 141, 128), "grass": (118, 142, 84)}
 SOIL, OTHER, WET, TURNED = (176, 152, 118), (118, 96, 76), (140, 122, 104), (104, 77, 54)
 
@@ -142,7 +144,9 @@ def log_ploughing(
                 quaternions=xyzw.reshape(-1, 4),
             ).partition([ground.bodies.count] * len(rows)),
         )  # fmt: skip
-        style = rr.Boxes3D.from_fields(colors=[[*colour, 255]], fill_mode="solid")
+        shade = SHADES[np.arange(ground.bodies.count) % len(SHADES)] if entity == FURROW else [1.0]
+        colours = (np.outer(shade, colour)).astype(np.uint8)
+        style = rr.Boxes3D.from_fields(colors=colours, fill_mode="solid")
         recording.log(entity, style, static=True)
 
 
@@ -183,7 +187,9 @@ def land(moments: Table, scenario: Any, ground: Ground, bodies: Bodies) -> Piece
     half_m[..., 1], half_m[..., 2] = 0.5 * (bodies.width_m + over_m), 0.5 * depth_m
     if not len(rows):
         return rows, np.empty((0, bodies.count, 3)), half_m, np.empty((0, bodies.count, 4))
-    upright = Rotation.from_matrix(ground.world_from_ground) * Rotation.from_euler("Z", yaw[:, None])
+    upright = Rotation.from_matrix(ground.world_from_ground) * Rotation.from_euler(
+        "Z", yaw[:, None]
+    )
     xyzw = np.repeat(upright.as_quat()[:, None], bodies.count, axis=1)
     return rows, ground.surface_w(s, t, -0.5 * depth_m), half_m, xyzw
 
@@ -238,9 +244,7 @@ def _nodes(places: Array, field_beyond: bool, margin_m: float) -> Array:
     return np.concatenate([below, near, above])
 
 
-def _with_edges(
-    t_m: Array, found: list[tuple[Cut, Pass]], bodies: Bodies, scenario: Any
-) -> Array:
+def _with_edges(t_m: Array, found: list[tuple[Cut, Pass]], bodies: Bodies, scenario: Any) -> Array:
     """Lines of the mesh with some more: where walls stand, and at valleys and crests of slices."""
     rising_m = bodies.width_m * np.cos(leaning_rad(scenario.plough.depth_m, bodies.width_m)) ** 2
     valleys = np.arange(bodies.open_m + bodies.width_m, PLOUGHED_M, bodies.width_m)
