@@ -16,10 +16,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from twin.camera.opengl import OffScreen
-from twin.palette import FIGURE, TRUTH_COLOUR, colours
-from twin.registry import load
-from twin.run import Run, run
-from twin.scores import seconds
+from twin.pipeline.named import load
+from twin.pipeline.result import Result
+from twin.pipeline.run import run
+from twin.report.palette import FIGURE, TRUTH_COLOUR, colours
+from twin.scores.scores import seconds
 from twin.viz.field import Seen
 from twin.viz.ground import Ground, worked
 from twin.viz.shapes import joint_states
@@ -51,7 +52,7 @@ def main() -> None:
     (HERE / "estimates.svg").write_text(slip(result), encoding="utf-8")
 
 
-def ploughing(result: Run) -> np.ndarray[Any, Any]:
+def ploughing(result: Result) -> np.ndarray[Any, Any]:
     """The tractor at its work. Shape (HEIGHT, WIDTH, 3)."""
     scenario: Any = result.scenario
     stage = Stage(scenario, camera="follow", detail=2.5)
@@ -82,7 +83,7 @@ def ploughing(result: Run) -> np.ndarray[Any, Any]:
     return cv2.resize(large, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA)
 
 
-def slip(result: Run) -> str:
+def slip(result: Result) -> str:
     """Truth against estimates, as SVG."""
     window_s = (18.0, 38.0)
     with mpl.rc_context(LINE):

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.figure import Figure
 
-from twin.run import run
+from twin.pipeline.run import run
 from twin.scenario import Course, Plough, Scenario, Soil
 
 FIELD = Scenario(

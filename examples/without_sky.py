@@ -5,10 +5,10 @@ Writes without_sky.png.
 
 from matplotlib.figure import Figure
 
-from twin import scores
-from twin.registry import load
-from twin.run import run
+from twin.pipeline.named import load
+from twin.pipeline.run import run
 from twin.scenario import Course, Plough, Scenario
+from twin.scores import scores
 from twin.sensors import Gnss, Outage, Sensors
 
 START_S, HIDDEN_S = 22.0, 8.0

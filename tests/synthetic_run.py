@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from twin.errors import check_range
-from twin.runfolder import Record
+from twin.io.run_folder import Record
 from twin.streams import WHEELS, GnssSetup, Setup, Streams, Table, WheelsSetup
 
 

@@ -2,12 +2,12 @@ import dataclasses
 
 import numpy as np
 import pytest
-import synthetic
-from synthetic import Drive
 
 from estimators import signals
 from estimators.layout import GNSS, IMU, WHEELS
 from twin.streams import Streams
+from twin.testing import drives as synthetic
+from twin.testing.drives import Drive
 
 SETUP = synthetic.setup()
 

@@ -20,7 +20,7 @@ from twin.physics.validity import outside_validity
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import wheel as rig_wheel
 from twin.scenario import Soil as Ground
-from twin.soils import MEASURED, PRESETS
+from twin.scenario.soils import MEASURED, PRESETS
 
 GUIDE = Path(__file__).parents[2] / "docs" / "writing-a-soil-law.md"
 POINTS = [(21.7e3, s, a) for s in (-0.3, 0.0, 0.1, 0.6) for a in (-0.2, 0.0)]

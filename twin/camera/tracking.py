@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.camera.frames import save
-from twin.lookup import attribute
+from twin.plugins.lookup import attribute
 from twin.streams import COLUMNS, Frames, Setup, Streams, Table
 
 ODOMETRY = "estimators.odometry.streams:"

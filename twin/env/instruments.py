@@ -8,11 +8,11 @@ from typing import Any
 
 from twin import sensors
 from twin.machine.build import Machine
-from twin.machine.columns import Recorder
 from twin.machine.geometry import geometry
-from twin.machine.trajectory import Trajectory
-from twin.run import Estimator
+from twin.pipeline.estimating import Estimator
+from twin.simulation.columns import Recorder
 from twin.streams import COLUMNS, ESTIMATES, WHEELS, Streams, Table
+from twin.trajectory.trajectory import Trajectory
 
 ESTIMATED = ESTIMATES[1:]
 

@@ -16,10 +16,11 @@ from twin.machine.tread import tread_part
 from twin.physics import block
 from twin.physics.block import Coupling, Engine, Envelope, Field, Head, Plough, Soil, Wheel
 from twin.physics.laws import law_number
-from twin.scenario import FURROW_SIDES, Scenario
 from twin.scenario import Plough as Setting
+from twin.scenario import Scenario
 from twin.scenario import Soil as Ground
-from twin.soils import Deformable
+from twin.scenario.plough import FURROW_SIDES
+from twin.scenario.soils import Deformable
 from twin.terrain.grid import GridMap
 from twin.terrain.place import first_envelope, grid_part
 

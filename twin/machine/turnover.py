@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from twin.machine.parameters import furrow_edge_m
-from twin.scenario import FURROW_SIDES, Plough
+from twin.scenario import Plough
+from twin.scenario.plough import FURROW_SIDES
 
 ASIDE, TURNED, SHARE = "plough.aside.", "plough.turned.", "plough.share_"
 """Frames of a model that go to the side that is worked; frames that turn over; the shares."""

@@ -23,7 +23,7 @@ from twin.streams import CameraSetup, Streams, Table
 if TYPE_CHECKING:  # what draws is heavy, and only there where a camera is fitted
     from twin.camera.frames import DrawnFrames, Film
     from twin.camera.renderer import Renderer
-    from twin.machine.trajectory import Trajectory
+    from twin.trajectory.trajectory import Trajectory
 
 NORMAL = "ground_normal_w"
 POSE = ("position_w", "world_from_body", "velocity_w", "gyro_b")

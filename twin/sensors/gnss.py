@@ -17,7 +17,7 @@ from twin.sensors.sampling import Reader, arrivals, read, reader
 from twin.streams import Table
 
 if TYPE_CHECKING:
-    from twin.machine.trajectory import Trajectory
+    from twin.trajectory.trajectory import Trajectory
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -33,7 +33,7 @@ from twin.sensors.vibration import Vibration, shake, start
 from twin.streams import Table
 
 if TYPE_CHECKING:
-    from twin.machine.trajectory import Trajectory
+    from twin.trajectory.trajectory import Trajectory
 
 Vector = tuple[float, float, float]
 

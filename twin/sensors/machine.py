@@ -15,7 +15,7 @@ from twin.sensors.sampling import Reader, arrivals, read, reader
 from twin.streams import Table
 
 if TYPE_CHECKING:
-    from twin.machine.trajectory import Trajectory
+    from twin.trajectory.trajectory import Trajectory
 
 STEER_STEP_RAD = 1.0 / 1024.0
 """Resolution of a steering angle on the bus, rad (SAE J1939-71, angle slots)."""

@@ -20,7 +20,7 @@ from twin.sensors.wheels import Wheels
 from twin.streams import Streams, Table
 
 if TYPE_CHECKING:
-    from twin.machine.trajectory import Trajectory
+    from twin.trajectory.trajectory import Trajectory
 
 Config = TypeVar("Config", Gnss, Imu, Wheels, Depth, Bus)
 

@@ -63,7 +63,7 @@ class FieldMesh:
     """Adds the field to a specification, and sets it in the compiled model for each picture."""
 
     def __init__(self, fine_m: float, reach_m: tuple[float, float]) -> None:
-        """Args: fine_m: the smallest cell. reach_m: of the fine part from the middle, along, across."""
+        """Args: fine_m: the smallest cell. reach_m: of the fine part, along and across."""
         self.fine_m = fine_m
         self.lines_s = _lines(LONGER * fine_m, reach_m[0])
         self.lines_t = _lines(fine_m, reach_m[1])
@@ -173,7 +173,7 @@ def _texels(seen: Seen, s_m: Array, t_m: Array, fine_m: float) -> NDArray[np.uin
     colour += straw * (np.array(STRAW, np.float32) - colour)
     colour[turned], colour[open_] = TURNED, SOLE
     bright = 1.0 + 0.07 * fine + 0.06 * middle + 0.04 * wide + 0.05 * widest
-    return np.clip(colour * bright[..., None], 0.0, 255.0).astype(np.uint8)
+    return np.asarray(np.clip(colour * bright[..., None], 0.0, 255.0), np.uint8)
 
 
 def _grain(s_m: Array, t_m: Array, cell_m: float, which: int) -> Array:
@@ -197,7 +197,7 @@ _TABLES: dict[int, Array] = {}
 
 
 def _lines(fine_m: float, near_m: float) -> Array:
-    """Lines of the mesh from its middle: so close near it, and ever further apart to the horizon."""
+    """Lines of the mesh from its middle: close near it, and ever further apart to the horizon."""
     near = fine_m * np.arange(round(near_m / fine_m) + 1)
     far, step_m = [], fine_m
     at_m = float(near[-1])

@@ -11,7 +11,7 @@ import rerun as rr
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from twin.scenario import FURROW_SIDES
+from twin.scenario.plough import FURROW_SIDES
 from twin.streams import Table
 from twin.viz.bodies import Bodies
 from twin.viz.furrows import (

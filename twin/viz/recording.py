@@ -11,7 +11,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from twin.runfolder import RunLike
+from twin.io.run_folder import RunLike
 from twin.streams import Setup, Streams, Table
 from twin.viz import forces, plots, scene, tracks
 from twin.viz.blueprint import logged, simulated

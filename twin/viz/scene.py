@@ -9,7 +9,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from twin.palette import SEA
+from twin.report.palette import SEA
 from twin.streams import Setup, Table
 from twin.viz.paths import FOLLOW, TRACTOR
 from twin.viz.shapes import Shapes, body_poses, log_shapes, looks_alike

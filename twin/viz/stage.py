@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.camera.opengl import OffScreen
-from twin.machine.build import build
+from twin.machine.build import assemble
+from twin.machine.files import model_path
 from twin.viz.bodies import bodies
 from twin.viz.field import FieldMesh, Seen
 
@@ -38,14 +39,13 @@ class Stage:
     def __init__(
         self, scenario: Any, setting: Any = None, *, camera: str = "follow", detail: float = 1.0
     ) -> None:
-        """Args: setting: of the plough. camera: one of VIEWS. detail: of the field, over the usual."""
-        tractor = {"setting": setting} if scenario.plough is not None else {}
+        """Args: setting: of the plough. camera: one of VIEWS. detail: over the field's usual."""
         scale = _wheelbase_m(scenario) / LARGE_M
         self.mesh = FieldMesh(
             CELL_M * scale / detail,
             (REACH_M[0] * scale * detail**0.5, REACH_M[1] * scale * detail**0.5),
         )
-        self.machine = build(scenario, looks=True, settle=False, dress=self.mesh.add, **tractor)
+        self.machine = assemble(scenario, looks=True, setting=setting, dress=self.mesh.add)
         self.model = self.machine.model
         self.model.stat.extent = 8.0 * scale
         self.model.vis.map.znear, self.model.vis.map.zfar = 0.01, 200.0
@@ -79,7 +79,5 @@ class Stage:
 
 
 def _wheelbase_m(scenario: Any) -> float:
-    from twin.machine.files import model_path
-
     spec = mujoco.MjSpec.from_file(str(model_path(scenario.machine)))
     return float(spec.body("front_axle").pos[0])

@@ -1,0 +1,35 @@
+"""Noise-free quantities of a drive on the physics grid."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.trajectory.end import End
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A chunk of a drive: every column is taken at the same epochs; chunks are contiguous."""
+
+    epoch_ns: NDArray[np.int64]
+    """Physics grid, shape (n,)."""
+    columns: Mapping[str, NDArray[Any]]
+    """Quantity by name, each of shape (n, ...)."""
+    end: End | None = None
+    """How the drive ended, in its last chunk."""
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.columns[name]
+
+    def __len__(self) -> int:
+        return len(self.epoch_ns)
+
+    def cut(self, start: int, stop: int) -> Trajectory:
+        """Rows from `start` up to `stop`."""
+        columns = {name: column[start:stop] for name, column in self.columns.items()}
+        return Trajectory(self.epoch_ns[start:stop], columns)
