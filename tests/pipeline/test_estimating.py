@@ -103,8 +103,9 @@ def test_no_estimator_changes_what_another_sees_or_what_is_saved():
 
 def test_one_that_fails_is_named_and_the_others_go_on():
     done = all_estimates({"mine": Fails(), "adds": Adds()}, RUN.setup, RUN.streams)
-    assert "estimator 'mine' fails: ZeroDivisionError: no speed (test_estimating.py, line" in (
-        done.failed["mine"]
+    assert (
+        "estimator 'mine' fails: ZeroDivisionError: no speed (test_estimating.py, line"
+        in (done.failed["mine"])
     )
     assert done.notes == (done.failed["mine"],)
     assert np.isnan(done.tables["mine"]["slip"]).all()

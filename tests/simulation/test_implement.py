@@ -27,7 +27,7 @@ def changed(tmp_path: Path, monkeypatch, bodies: float, sites: int, width_m: flo
     text = file.read_text()
     text = text.replace('"bodies" data="4"', f'"bodies" data="{bodies:g}"')
     text = text.replace('"body_width_m" data="0.35"', f'"body_width_m" data="{width_m:g}"')
-    places = text.index('      <site name="share_1"'), text.index('      <site name="depth_laser"')
+    places = text.index('      <frame name="aside.1"'), text.index('      <site name="depth_laser"')
     own = [
         f'<site name="share_{i + 1}" pos="{-0.65 - 0.85 * i:g} '
         f'{(0.5 * (sites - 1) - i) * width_m:g} -0.78"/>'

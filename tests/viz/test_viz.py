@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import mujoco
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from tests.recordings import broken
 from tests.synthetic_run import MJCF, synthetic_run, truth_table
@@ -21,12 +22,16 @@ from twin.viz import Ground, paths
 from twin.viz.blueprint import kind
 from twin.viz.bodies import Bodies, bodies
 from twin.viz.events import drive_events, events
-from twin.viz.ground import cuts, slices
+from twin.viz.furrows import Pass, worked_by
+from twin.viz.ground import land, slices, worked
 from twin.viz.shapes import Shapes, body_poses
 
 MODEL = mujoco.MjModel.from_xml_string(MJCF)
 RUN = synthetic_run(duration_s=8.0)
-FOUR = Bodies(ahead_m=(-1.7, -2.55, -3.4, -4.25), width_m=0.35)
+FOUR = Bodies(
+    ahead_m=(-1.7, -2.55, -3.4, -4.25), left_m=(-0.4, -0.05, 0.3, 0.65), width_m=0.35, side=-1,
+    wall_m=0.54, open_m=0.5,
+)  # fmt: skip
 
 
 def rerun(*args: str) -> str:
@@ -183,36 +188,80 @@ def test_each_pass_leaves_its_furrow_for_the_next() -> None:
     both = {name: np.concatenate([there[name], back[name]]) for name in there}
     plough = SimpleNamespace(furrow="right", depth_m=0.25)
     ploughed = SimpleNamespace(plough=plough, course=SimpleNamespace(approach_m=5.0))
-    side, found = cuts(both, ploughed, Ground(bodies=FOUR))
-    assert side == -1
-    assert np.diff([cut.wall_m for cut in found]) == pytest.approx([1.4])
-    assert found[0].from_ns == both["epoch_ns"][0]
-    assert 18e9 < found[1].from_ns < 20e9
-    assert found[1].high_m < np.inf
+    (first, there_m), (second, back_m) = worked(both, ploughed, Ground(bodies=FOUR))
+    assert second.wall_m - first.wall_m == pytest.approx(1.4)
+    assert first.from_ns == both["epoch_ns"][0]
+    assert 18e9 < second.from_ns < 20e9
+    assert second.high_m < np.inf
+    assert np.all(np.diff(there_m.s_m) > 0.0)
+    assert np.all(np.diff(back_m.s_m) < 0.0)
 
 
-def test_slices_are_turned_towards_the_furrow_and_only_where_it_ploughs() -> None:
+def test_slices_are_thrown_into_the_furrow_and_only_where_it_ploughs() -> None:
     truth = truth_table(duration_s=20.0)
     rows, centre, _, _ = slices(truth, RUN.scenario, Ground(), FOUR)
     assert np.all(truth["depth_m"][rows] > 0.05)
     assert np.all(truth["epoch_ns"][rows] > 5e9)
     aside = centre[:, :, 1] - truth["north_m"][rows][:, None]
-    assert np.all(aside[:, 0] < -0.7)  # beside the furrow, which is on the right
-    np.testing.assert_allclose(np.diff(aside, axis=1), 0.35)
+    np.testing.assert_allclose(aside[-1], np.array(FOUR.left_m) - 0.5)  # to the right by a furrow
+    assert np.all(aside[:, 0] + 0.5 * FOUR.width_m < -FOUR.wall_m)  # the first into the last furrow
+
+
+def test_slices_lean_away_from_the_land_and_stand_on_the_sole() -> None:
+    truth = truth_table(duration_s=20.0)
+    _, centre, half_m, xyzw = slices(truth, RUN.scenario, Ground(), FOUR)
+    turn = Rotation.from_quat(xyzw[-1, 0]).as_matrix()
+    up = turn[2, 1] / turn[1, 1]  # of the slice's width, to the left
+    assert np.arctan(up) == pytest.approx(-np.arcsin(0.25 / 0.35))  # rises to the right
+    lowest = centre[-1, :, 2] - np.abs(turn[2]) @ half_m[-1, 0]
+    np.testing.assert_allclose(lowest, -0.25, atol=1e-9)
+
+
+def test_land_lies_where_the_bodies_will_cut_up_to_the_wall() -> None:
+    truth = truth_table(duration_s=20.0)
+    rows, centre, half_m, _ = land(truth, RUN.scenario, Ground(), FOUR)
+    aside = centre[-1, :, 1] - truth["north_m"][rows[-1]]
+    low, high = aside - half_m[-1, :, 1], aside + half_m[-1, :, 1]
+    assert low[0] == pytest.approx(-FOUR.wall_m)
+    assert high[-1] == pytest.approx(FOUR.left_m[-1] + 0.175)
+    np.testing.assert_allclose(low[1:], high[:-1], atol=1e-9)  # one beside the other
+    np.testing.assert_allclose(centre[..., 2] + half_m[..., 2], 0.0, atol=1e-12)
+
+
+def test_behind_the_plough_all_is_turned_but_the_last_furrow() -> None:
+    done = Pass(s_m=np.array([0.0, 20.0]), t_m=np.zeros(2))
+    t = np.linspace(-2.0, 2.0, 401)
+    height, here, open_ = worked_by(done, FOUR, 0.25, np.full_like(t, 5.0), t)
+    edges = t[here].min(), t[open_].min(), t[open_].max()
+    np.testing.assert_allclose(edges, (-1.125, 0.325, 0.825), atol=0.011)
+    assert np.all(height[open_] == -0.25)
+    assert np.all(height[here & ~open_] >= 0.0)
+    assert np.all(height[~here] == 0.0)
+    ahead = worked_by(done, FOUR, 0.25, np.full_like(t, 19.0), t)
+    assert not ahead[1].any()  # where no body has been yet
+    between = worked_by(done, FOUR, 0.25, np.full_like(t, 17.9), t)
+    assert np.ptp(t[between[2]]) == pytest.approx(0.5, abs=0.02)  # behind the first body alone
 
 
 @pytest.mark.parametrize(("count", "width_m"), [(1, 0.5), (3, 0.4), (5, 0.33)])
 def test_slices_are_as_many_and_as_wide_as_the_bodies(count: int, width_m: float) -> None:
     truth = truth_table(duration_s=20.0)
-    own = Bodies(ahead_m=tuple(-1.0 - 0.9 * i for i in range(count)), width_m=width_m)
+    left_m = np.arange(count) * width_m - 0.4
+    own = replace(
+        FOUR, ahead_m=tuple(-1.0 - 0.9 * i for i in range(count)), left_m=tuple(left_m),
+        width_m=width_m,
+    )  # fmt: skip
     _, centre, half_m, _ = slices(truth, RUN.scenario, Ground(), own)
     aside = centre[:, :, 1] - truth["north_m"][truth["depth_m"] > 0.05][:, None]
     assert centre.shape[1] == half_m.shape[1] == count
-    np.testing.assert_allclose(aside.mean(axis=1), -width_m, atol=1e-9)  # turned by one width
+    np.testing.assert_allclose(aside[:, 0], -0.4 - 0.5, atol=1e-9)  # thrown by one furrow
     np.testing.assert_allclose(np.diff(aside, axis=1), width_m)
 
 
 def test_the_bodies_are_those_of_the_model() -> None:
     drawn = bodies(MODEL)
-    assert drawn == Bodies(ahead_m=(-2.0, -2.9), width_m=0.45)
+    assert drawn == Bodies(
+        ahead_m=(-2.0, -2.9), left_m=(-0.225, 0.225), width_m=0.45, side=-1, wall_m=0.45,
+        open_m=0.45,
+    )  # fmt: skip
     assert bodies(mujoco.MjModel.from_xml_string("<mujoco/>")) is None

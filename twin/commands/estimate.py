@@ -59,9 +59,7 @@ def main(args: Sequence[str]) -> int:
     reader = None if options.reader is None else logs.reader(options.reader)
     shown = not (options.quiet or options.json)
     with counting("estimating", "estimators", shown=shown) as told:
-        result = estimate(
-            options.log, options.map, estimators=estimators, reader=reader, told=told
-        )
+        result = estimate(options.log, options.map, estimators=estimators, reader=reader, told=told)
     result.save(directory, command=f"twin estimate {shlex.join(args)}")
     _say(result, directory, options)
     if options.view:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +24,7 @@ from twin.machine.plough_setting import (
     set_plough,
 )
 from twin.machine.start import standing, unloaded_speed_mps, unsettled
+from twin.machine.turnover import turn_over
 from twin.physics import block
 from twin.physics.callback import install
 from twin.scenario import Plough, Scenario
@@ -67,7 +69,13 @@ class Machine:
         return (self.scenario.drive.engine_set_rpm - idle) / (top - idle)
 
 
-def assemble(scenario: Scenario, *, looks: bool = False, setting: Setting | None = None) -> Machine:
+def assemble(
+    scenario: Scenario,
+    *,
+    looks: bool = False,
+    setting: Setting | None = None,
+    dress: Callable[[Any], None] | None = None,
+) -> Machine:
     """Compile the machine of a scenario, put it at the start of its course, and install the laws.
 
     Wheel contact is switched off, because the callback takes over; everything else stays native.
@@ -77,6 +85,7 @@ def assemble(scenario: Scenario, *, looks: bool = False, setting: Setting | None
         scenario: what is assembled.
         looks: keep what is only looked at.
         setting: how the hitch is set; None for what the geometry asks for.
+        dress: adds to the specification what only the eye wants; for a machine that is looked at.
     """
     install()
     spec = mujoco.MjSpec.from_file(str(model_path(scenario.machine)))
@@ -92,6 +101,7 @@ def assemble(scenario: Scenario, *, looks: bool = False, setting: Setting | None
     _add_activations(spec)
     if scenario.plough is not None:
         _fit_tractor(spec, scenario.plough, numbers)
+        turn_over(spec, scenario.plough, numbers)
         spec.body("plough.frame").quat = levelled(furrow_roll_rad(scenario, spec))
     spec.option.timestep = scenario.timestep_s
     spec.add_sensor(name="potential_j", type=mujoco.mjtSensor.mjSENS_E_POTENTIAL)
@@ -99,6 +109,8 @@ def assemble(scenario: Scenario, *, looks: bool = False, setting: Setting | None
     spec.nuserdata = block.RATE_SLOTS + _activation_count(spec)
     spec.add_numeric(name="tractor_twin", size=block.SIZE, data=[0.0] * block.SIZE)
     spec.compiler.discardvisual = not looks
+    if dress is not None:
+        dress(spec)
     model = spec.compile()
     hitch = _hitch(spec)
     reflected = numbers["engine.inertia_kgm2"] * scenario.drive.gear_ratio**2

@@ -57,11 +57,12 @@ def _record(result: Result, path: Path) -> None:
     from twin import viz
 
     if isinstance(result.scenario, Scenario):
-        from twin.simulation.build import build
+        from twin.machine.build import assemble
 
-        machine = build(result.scenario, looks=True, settle=False)
+        machine = assemble(result.scenario, looks=True)
         ground = viz.Ground(world_from_ground=machine.world_from_ground, maps=machine.maps)
-        viz.record(result, path, model=machine.model, ground=ground)
+        turned = _turned(result.scenario)
+        viz.record(result, path, model=machine.model, turned=turned, ground=ground)
         return
     notes: Mapping[str, Any] = {} if result.scenario is not None else {"notes": result.notes}
     viz.log(
@@ -72,6 +73,16 @@ def _record(result: Result, path: Path) -> None:
         reference=result.truth,
         **notes,
     )
+
+
+def _turned(scenario: Scenario) -> Any:
+    """The machine's model as it comes back, its plough turned over; None where it only goes."""
+    if scenario.plough is None or scenario.course.passes == 1:
+        return None
+    from twin.machine.build import assemble
+    from twin.simulation.passes import turned_over
+
+    return assemble(turned_over(scenario), looks=True).model
 
 
 def dataframe(result: Result) -> pandas.DataFrame:
