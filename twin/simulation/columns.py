@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.compute import quaternion
 from twin.machine.build import Machine
 from twin.machine.fuel import fuel_lph
 from twin.physics import block
@@ -175,9 +176,9 @@ class Recorder:
         if not self.plough:
             names = ("laser_m", "inclination_rad", "plough_pitch_rad")
             return {name: np.full(n, np.nan) for name in names}
-        w, x, y, z = sensor("plough.world_from_laser").T
-        down = np.stack([-2 * (x * z + w * y), -2 * (y * z - w * x), 2 * (x * x + y * y) - 1], 1)
-        ahead_up = 2 * (x * z - w * y)
+        attitude = sensor("plough.world_from_laser").T
+        down = -np.stack(quaternion.z_axis(*attitude), axis=1)
+        _, _, ahead_up = quaternion.x_axis(*attitude)
         laser_w = sensor("plough.laser_w")
         above_m = laser_w @ self.normal - self._height_m(laser_w)
         return {

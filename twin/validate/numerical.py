@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.compute import quaternion
 from twin.machine.build import Machine
 from twin.physics.block import WheelSlot
 from twin.reproduce.passes import drive
@@ -77,8 +78,7 @@ def _steered(machine: Machine, step_ms: float) -> Array:
         mujoco.mj_forward(model, state)
     finally:
         model.opt.timestep = kept
-    w, x, y, z = state.qpos[3:7]
-    heading = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    heading = quaternion.heading_rad(*state.qpos[3:7])
     act, slip = np.array(state.act[:16]).reshape(4, 4), wheels(state)[:, WheelSlot.SLIP]
     place = float(np.hypot(state.qpos[0], state.qpos[1]))
     return np.array([place, heading, act[2:, 0].mean(), act[:, 1].mean(), slip[2:].mean()])

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.compute import quaternion
 from twin.machine.build import Machine
 from twin.machine.tread import tread_part
 from twin.physics import block
@@ -118,8 +119,7 @@ def measured(machine: Machine, body: Statics) -> Mode:
     times, rolls, sways = [], [], []
     for _ in range(round(SEEN_S / model.opt.timestep)):
         mujoco.mj_step(model, state)
-        w, x, y, z = state.qpos[3:7]
-        roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+        roll = float(quaternion.roll_rad(*state.qpos[3:7]))
         times.append(state.time)
         rolls.append(roll)
         sways.append(float(state.qpos[1]) - cg[2] * roll)
