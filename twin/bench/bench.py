@@ -37,7 +37,7 @@ from twin.plugins.lookup import attribute
 from twin.reproduce import ima_pkf_speed
 from twin.scenario import Course, Field, Scenario, Soil
 from twin.simulation.build import build
-from twin.simulation.simulate import Cab
+from twin.simulation.simulation import Simulation
 from twin.streams import Streams
 
 STRETCHES, STEPS = 60, 200
@@ -76,12 +76,12 @@ def step_rows() -> list[dict[str, Any]]:
 
 def _ploughing(scenario: Scenario) -> tuple[Any, Any]:
     """A ploughing machine at its depth, sensors off."""
-    cab = Cab(build(scenario))
-    while cab.observe().depth_m < 0.24:
-        cab.act()
-    model = cab.batch.get_model(0)
+    simulation = Simulation(build(scenario))
+    while simulation.seen["depth_m"][0] < 0.24:
+        simulation.advance()
+    model = simulation.batch.get_model(0)
     model.opt.disableflags = NO_SENSORS
-    return model, cab.batch.get_data(0)
+    return model, simulation.batch.get_data(0)
 
 
 def _native() -> tuple[Any, Any]:

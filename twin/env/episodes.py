@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from twin.env import observations
 from twin.env.fleet import Fleet, Start
-from twin.env.grounds import Ground, Lie, Recipe
+from twin.env.grounds import Ground, GroundShape, Recipe
 from twin.env.instruments import Instruments
 from twin.env.observations import Entry
 from twin.env.starts import Starts
@@ -50,17 +50,17 @@ class Episodes:
     def __init__(
         self,
         fleet: Fleet,
-        lies: Sequence[Lie],
+        shapes: Sequence[GroundShape],
         entries: tuple[Entry, ...],
         estimator: Estimator | None,
         *,
         seen: bool,
     ) -> None:
-        nsim, machine = len(fleet.steer_rad), fleet.machine
-        self.fleet, self.lies = fleet, lies
+        nsim, machine = len(fleet.state), fleet.machine
+        self.fleet, self.shapes = fleet, shapes
         nthread = fleet.batch.nthread
         self.starts = Starts(machine, seen=seen, nthread=nthread, kind=type(fleet))
-        self.starts.of(lies)
+        self.starts.of(shapes)
         self.instruments: list[Instruments] = []
         if seen:
             self.instruments = [Instruments(machine, estimator) for _ in range(nsim)]
@@ -85,7 +85,7 @@ class Episodes:
 
     def begin(self, ids: Sequence[int], grounds: Sequence[Ground]) -> None:
         """Begin the episodes of some tractors."""
-        starts = self.starts.of([ground.lie for ground in grounds])
+        starts = self.starts.of([ground.shape for ground in grounds])
         self.fleet.restore(ids, starts, grounds)
         self.begun |= zip(ids, zip(starts, grounds, strict=True), strict=True)
         self.standing_s[ids] = 0.0

@@ -152,8 +152,8 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
     def _begin(self, mask: NDArray[np.bool_], options: Mapping[str, Any]) -> Infos:
         """New episodes of the tractors in the mask; their grounds as infos."""
         ids = np.flatnonzero(mask).tolist()
-        lies, recipe = self.episodes.lies, self.episodes.recipe
-        drawn = [grounds.draw(g, options, lies, recipe) for i in ids if (g := self.generators[i])]
+        shapes, recipe = self.episodes.shapes, self.episodes.recipe
+        drawn = [grounds.draw(g, options, shapes, recipe) for i in ids if (g := self.generators[i])]
         self.episodes.begin(ids, drawn)
         self.elapsed[mask], self.ended[mask] = 0, False
         return columns([ground.info(recipe) for ground in drawn], ids, mask)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from twin.env import observations, reward
 from twin.env.episodes import Episodes, asked
 from twin.env.fleet import Fleet
-from twin.env.grounds import PLOUGHED, lies
+from twin.env.grounds import PLOUGHED, ground_shapes
 from twin.machine.fuel import fuel_lph
 from twin.scenario import Course, Plough, Scenario
 from twin.simulation.build import build
@@ -48,7 +48,7 @@ class Ploughing(Episodes):
         self.width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
         super().__init__(
             Fleet(machine, nsim, nthread),
-            lies(self.depth_m),
+            ground_shapes(self.depth_m),
             observations.MODES[observation],
             wanted,
             seen=observation != "truth",
@@ -62,7 +62,7 @@ class Ploughing(Episodes):
         """Throttle and hitch in force, and the targets."""
         return {
             "throttle": self.actions[ids, 0],
-            "lift_set_rad": self.fleet.lift_rad[ids],
+            "lift_set_rad": self.fleet.drivers["lift_rad"][ids],
             "slip_target": self.slip_target,
             "depth_target_m": self.depth_m,
         }

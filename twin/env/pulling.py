@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from twin.env import observations, reward
 from twin.env.episodes import Episodes, asked
-from twin.env.grounds import ROLLED, lies
+from twin.env.grounds import ROLLED, ground_shapes
 from twin.env.torque_fleet import TorqueFleet, motors
 from twin.scenario import Course, Drive, Scenario, Soil
 from twin.sensors import Imu, Sensors
@@ -49,7 +49,7 @@ class Pulling(Episodes):
         )
         super().__init__(
             TorqueFleet(motors(build(scenario)), nsim, nthread),
-            lies(0.25, ROLLED),
+            ground_shapes(0.25, ROLLED),
             observations.TORQUE_MODES[observation],
             wanted,
             seen=observation != "truth",

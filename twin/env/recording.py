@@ -125,6 +125,6 @@ class Recording(Wrapper[Observation, NDArray[np.float32], Observation, NDArray[n
         return replace(
             episodes.fleet.machine.scenario,
             soil=ground.soil,
-            field=replace(ground.lie.field(), patches=patches),
+            field=replace(ground.shape.field(), patches=patches),
             seed=ground.pattern_seed,
         )

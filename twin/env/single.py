@@ -43,7 +43,7 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         recipe = self.episodes.recipe
         chosen = grounds.check_options(options, recipe)
         super().reset(seed=seed)
-        ground = grounds.draw(self.np_random, chosen, self.episodes.lies, recipe)
+        ground = grounds.draw(self.np_random, chosen, self.episodes.shapes, recipe)
         self.episodes.begin([0], [ground])
         self.running = True
         true = self.episodes.fleet.true()

@@ -9,9 +9,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.compute import quaternion
 from twin.machine import memory
 from twin.machine.files import model_path
-from twin.machine.ground_frame import quaternion, world_from_ground
+from twin.machine.ground_frame import world_from_ground
 from twin.machine.hitch import Hitch
 from twin.machine.parameters import parameter_block, wheel_radii_m
 from twin.machine.plough_setting import (
@@ -138,14 +139,14 @@ def _add_ground(
     lowest_m, heights = 0.0, maps.get("heights")
     if heights is not None:
         lowest_m = float(heights.nodes.min())
-        show_heights(spec, heights, rotation, quaternion(rotation))
+        show_heights(spec, heights, rotation, quaternion.from_matrix(rotation))
         add_envelopes(spec, heights, wheel_radii_m(numbers))
     spec.worldbody.add_geom(
         name="ground",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=[0, 0, 1],
         pos=lowest_m * rotation[:, 2],
-        quat=quaternion(rotation),
+        quat=quaternion.from_matrix(rotation),
         contype=1,
         conaffinity=2,
         rgba=[0.48, 0.40, 0.27, 1.0],

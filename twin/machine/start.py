@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.machine.ground_frame import quaternion
+from twin.compute import quaternion
 from twin.machine.hitch import Hitch
 from twin.physics import block
 from twin.scenario import Scenario
@@ -71,7 +71,7 @@ def standing(
         upright = rotation @ lean
     axle_m = float(model.body("tractor").pos[2])
     qpos[:3] = rotation @ np.array([0.0, left_m, raised_m]) + axle_m * upright[:, 2]
-    qpos[3:7] = quaternion(upright)
+    qpos[3:7] = quaternion.from_matrix(upright)
     if hitch is None:
         return np.asarray(qpos, dtype=np.float64)
     qpos[model.joint("lift").qposadr[0]] = raised_rad(scenario)

@@ -13,7 +13,7 @@ from twin.errors import BadInput, check_range
 from twin.machine.start import RAISED_RAD
 from twin.rig.tractor import tractor
 from twin.scenario import Field, Soil
-from twin.simulation.settle import refuse_warnings
+from twin.simulation.guard import Diverged, warning_text
 
 Array = NDArray[np.float64]
 
@@ -87,7 +87,9 @@ def _parked(soil: Soil, shape: Field, parked_s: float) -> tuple[float, float]:
     for _ in range(LOOKS):
         mujoco.mj_step(model, state, max(1, round(look_s / model.opt.timestep)))
         places.append(np.array(state.qpos[:3]))
-    refuse_warnings(np.array([w.number for w in state.warning]), "rig-park", parked_s)
+    warned = [k for k, warning in enumerate(state.warning) if warning.number]
+    if warned:
+        raise Diverged(f"{warning_text(warned[0])} after {parked_s:.2f} s of 'rig-park'")
     gone = np.linalg.norm(np.array(places) - places[0], axis=1)
     third = LOOKS // 3
     late = float(np.linalg.norm(places[-1] - places[-1 - third]))

@@ -1,4 +1,4 @@
-"""The non-finite guard: what went wrong first, and a folder that repeats it.
+"""The guard against what is not finite: what went wrong first, and a folder that repeats it.
 
 A run keeps its last second of states, one per decision of the driver. Where a number stops being
 finite, or MuJoCo warns, the physics is repeated step by step from the last of them to find which
@@ -105,23 +105,23 @@ class Replay:
     """None where nothing failed."""
 
 
-class Tape:
+class StateRing:
     """The states at the last decisions: a ring that is written over."""
 
-    def __init__(self, nstate: int, decision_s: float) -> None:
-        self._rows = np.empty((round(KEPT_S / decision_s), nstate))
+    def __init__(self, shape: tuple[int, ...], count: int) -> None:
+        """Room for so many arrays of a shape, (nsim, nstate)."""
+        self._rows = np.empty((count, *shape))
         self._count = 0
 
     def keep(self, state: Array) -> None:
-        """Keep one more state. Shape (nstate,)."""
+        """Keep one more. Shape (nsim, nstate)."""
         self._rows[self._count % len(self._rows)] = state
         self._count += 1
 
-    def states(self) -> Array:
-        """What is kept, oldest first. Shape (n, nstate)."""
-        if self._count < len(self._rows):
-            return self._rows[: self._count].copy()
-        return np.roll(self._rows, -(self._count % len(self._rows)), axis=0)
+    def states(self, i: int = 0) -> Array:
+        """What is kept of one simulation, oldest first. Shape (n, nstate)."""
+        rows = self._rows[: self._count, i]
+        return np.roll(rows, -(self._count % len(rows)) if self._count > len(rows) else 0, axis=0)
 
 
 def all_finite(values: Array) -> bool:
@@ -131,18 +131,17 @@ def all_finite(values: Array) -> bool:
 
 
 def diverged(
-    scenario: Scenario, model: Any, tape: Tape, steps: int, *, during: str = "the run of"
+    scenario: Scenario, model: Any, states: Array, steps: int, *, during: str = "the run of"
 ) -> Diverged:
     """The error of a run whose last decision led to a failure, with its evidence.
 
     Args:
         scenario: what was run.
         model: as it ran.
-        tape: its last states.
+        states: its last ones, oldest first. Shape (n, nstate).
         steps: physics steps from one of them to the next.
         during: what was being done.
     """
-    states = tape.states()
     failure = repeat(model, states[-1:], steps).failure or _unrepeatable(model, states[-1])
     evidence = Evidence(scenario=scenario, model=model, states=states, steps=steps, failure=failure)
     return Diverged(_message(failure, during, scenario), evidence)

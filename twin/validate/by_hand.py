@@ -13,7 +13,7 @@ from twin.machine.start import RAISED_RAD
 from twin.physics.block import MACHINE_SLOTS, WheelSlot
 from twin.rig.tyre import machine_tyre
 from twin.scenario import Soil
-from twin.simulation.simulate import Cab
+from twin.simulation.simulation import Simulation
 from twin.validate.brixius_forms import mobility
 
 Array = NDArray[np.float64]
@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 
 def rolling(machine: Machine) -> Any:
     """mujoco.MjData as a run begins: settled on the tyres, at the unloaded speed."""
-    cab, state = Cab(machine), mujoco.MjData(machine.model)
-    state.qpos[:], state.qvel[:] = cab.qpos[0], cab.qvel[0]
+    simulation, state = Simulation(machine), mujoco.MjData(machine.model)
+    state.qpos[:], state.qvel[:] = simulation.qpos[0], simulation.qvel[0]
     state.act[:] = machine.start_act
     return state
 
