@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from twin.errors import BadInput, check_range
 from twin.physics.block import MachineSlot, WheelSlot
+from twin.rig.table import Measured
 from twin.rig.tractor import Slots, drive, mean, statics, tractor
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import towed, wheel
@@ -38,7 +38,7 @@ ITERATIONS = 5
 
 
 @dataclass(frozen=True, kw_only=True)
-class DrawbarCurve:
+class DrawbarCurve(Measured):
     """What the drawbar rig measured, one value per hold. Shape (n,)."""
 
     pull_n: Array
@@ -60,8 +60,7 @@ class DrawbarCurve:
 
     def columns(self) -> dict[str, Array]:
         """Everything measured and derived, by name."""
-        measured = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
-        return measured | {"drawbar_power_w": self.drawbar_power_w}
+        return super().columns() | {"drawbar_power_w": self.drawbar_power_w}
 
 
 def drawbar(

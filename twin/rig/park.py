@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 
 import mujoco
@@ -11,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from twin.errors import BadInput, check_range
 from twin.machine.start import RAISED_RAD
+from twin.rig.table import Measured
 from twin.rig.tractor import tractor
 from twin.scenario import Field, Soil
 from twin.simulation.guard import Diverged, warning_text
@@ -25,7 +25,7 @@ LOOKS = 60
 
 
 @dataclass(frozen=True, kw_only=True)
-class Creep:
+class Creep(Measured):
     """Creep of the parked tractor, one value per slope. Shape (n,)."""
 
     cross_slope_deg: Array
@@ -34,10 +34,6 @@ class Creep:
     """Farthest that the rear-axle centre went from where it had settled."""
     creep_rate_mps: Array
     """Mean speed over the last third."""
-
-    def columns(self) -> dict[str, Array]:
-        """Everything measured, by name."""
-        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
 
 
 def park(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass
 
@@ -12,6 +11,7 @@ from scipy.optimize import root
 
 from twin.errors import TwinError, check_range
 from twin.physics.block import WheelSlot
+from twin.rig.table import Measured
 from twin.rig.tractor import Statics, drive, mean, statics, tractor
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import towed, wheel
@@ -36,7 +36,7 @@ class NoBalance(TwinError, ArithmeticError):
 
 
 @dataclass(frozen=True, kw_only=True)
-class CrabAngles:
+class CrabAngles(Measured):
     """Steady driving across slopes, one value per slope. Shape (n,)."""
 
     cross_slope_deg: Array
@@ -49,10 +49,6 @@ class CrabAngles:
     upper_load_n: Array
     """Of the rear wheel on the left."""
     lower_load_n: Array
-
-    def columns(self) -> dict[str, Array]:
-        """Everything measured, by name."""
-        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
 
 
 def slope(soil: Soil, cross_slope_deg: ArrayLike) -> CrabAngles:
