@@ -17,7 +17,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import mujoco
 
@@ -27,7 +26,7 @@ from twin.commands.pictures import record
 from twin.commands.run import Options, execute
 from twin.env import speed
 from twin.io import run_folder as runfolder
-from twin.io.result_rows import row
+from twin.io.result_rows import Rows, row
 from twin.machine.build import Machine
 from twin.machine.files import model_path
 from twin.machine.geometry import geometry
@@ -44,13 +43,13 @@ STRETCHES, STEPS = 60, 200
 NO_SENSORS = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
 
 
-def rows() -> list[dict[str, Any]]:
+def rows() -> Rows:
     """All measurements, as rows with their bounds."""
     own = [*step_rows(), *estimator_rows(), *run_rows(), *camera_rows()]
     return [*own, *speed.rows(), *ima_pkf_speed.rows()]
 
 
-def step_rows() -> list[dict[str, Any]]:
+def step_rows() -> Rows:
     """Time of a step while ploughing, against MuJoCo's own contacts, and of what adds to it."""
     rough = load("scenario", "plough-25cm")
     grounds = {
@@ -74,7 +73,7 @@ def step_rows() -> list[dict[str, Any]]:
     ]
 
 
-def _ploughing(scenario: Scenario) -> tuple[Any, Any]:
+def _ploughing(scenario: Scenario) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """A ploughing machine at its depth, sensors off."""
     simulation = Simulation(build(scenario))
     while simulation.seen["depth_m"][0] < 0.24:
@@ -84,7 +83,7 @@ def _ploughing(scenario: Scenario) -> tuple[Any, Any]:
     return model, simulation.batch.get_data(0)
 
 
-def _native() -> tuple[Any, Any]:
+def _native() -> tuple[mujoco.MjModel, mujoco.MjData]:
     """The machine's scene as it stands in plain MuJoCo, settled, then rolling at 1.5 m/s."""
     spec = mujoco.MjSpec.from_file(str(model_path("taishan_1404a").parent / "scene.xml"))
     spec.compiler.discardvisual = True  # as ours is compiled: looks cost time and change nothing
@@ -109,7 +108,7 @@ def _best(*actions: Callable[[], None]) -> list[float]:
     return best
 
 
-def estimator_rows() -> list[dict[str, Any]]:
+def estimator_rows() -> Rows:
     """Time of the slip filter per wheel sample, compiled before, and the size of its state."""
     scenario = replace(load("scenario", "plough-25cm"), course=Course(length_m=60.0))
     done = run(scenario, estimators={})
@@ -130,7 +129,7 @@ def estimator_rows() -> list[dict[str, Any]]:
     ]
 
 
-def run_rows() -> list[dict[str, Any]]:
+def run_rows() -> Rows:
     """Speed and memory of a whole run, files written, imports and compiling done before."""
     scenario = load("scenario", "plough-25cm")
     with tempfile.TemporaryDirectory() as folder:
@@ -190,7 +189,7 @@ def whole_frames(calibration_m: float, odometry: str = "phase-ecc") -> Scenario:
     )
 
 
-def camera_rows() -> list[dict[str, Any]]:
+def camera_rows() -> Rows:
     """Pace of drawing and odometry together, time of odometry alone, and memory."""
     machine = build(whole_frames(0.0))
     _sense(replace(machine, scenario=replace(machine.scenario, course=Course(length_m=1.0))))

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from twin.compute import quaternion
 from twin.env.grounds import SPREAD, Ground, GroundShape
@@ -18,14 +17,14 @@ from twin.machine.build import Machine
 from twin.machine.ground_frame import world_from_ground
 from twin.machine.parameters import furrow_edge_m, soil_part
 from twin.physics import block
-from twin.physics.block import Field, Soil, Wheel
+from twin.physics.block import Field, Part, Soil, Wheel
 from twin.scenario import Course
 from twin.scenario import Soil as Setting
 from twin.scenario.soils import PRESETS
-from twin.simulation.columns import Recorder
+from twin.simulation.columns import Record, Recorder
 from twin.simulation.course_task import course_task
 from twin.simulation.driver import LIFT_RATE_RADPS, DriverTask, HitchControl
-from twin.simulation.simulation import DECISION_S, VELOCITY, Record, Simulation
+from twin.simulation.simulation import DECISION_S, VELOCITY, Simulation
 from twin.streams import WHEELS
 from twin.trajectory.trajectory import Trajectory
 
@@ -72,15 +71,15 @@ class Start:
     """What led there, for sensors and filters to settle on; None where nobody looks."""
     along_m: float
     """How far along the course it stands [m]."""
-    driver: Any
+    driver: np.void
     """What the driver remembers, a row of DriverState."""
-    pedal: Any
+    pedal: np.void
     """The brake pedal, a row of BrakePedal."""
     action: tuple[float, float]
     """The action that keeps it rolling so."""
 
 
-def lift_rad(machine: Machine, depth_set_m: Any) -> Any:
+def lift_rad(machine: Machine, depth_set_m: ArrayLike) -> Array:
     """Lower-link angle that puts the plough's sole at a depth, in the furrow; elementwise.
 
     The wheels of one side run at working depth, so the axle's middle is half of it lower.
@@ -95,11 +94,12 @@ def lift_rad(machine: Machine, depth_set_m: Any) -> Any:
     plough = machine.scenario.plough
     if plough is not None and plough.furrow != "none":
         axle_m -= 0.5 * plough.depth_m
-    rise_m = sole_m - depth_set_m - axle_m - hitch.lower_front[1]
-    return np.arcsin(np.maximum(-1.0, np.minimum(1.0, rise_m / hitch.lower_length_m)))
+    rise_m = sole_m - np.asarray(depth_set_m) - axle_m - hitch.lower_front[1]
+    within = np.maximum(-1.0, np.minimum(1.0, rise_m / hitch.lower_length_m))
+    return np.asarray(np.arcsin(within))
 
 
-def governor(machine: Machine, throttle: Any) -> Any:
+def governor(machine: Machine, throttle: Array) -> Array:
     """Control of a throttle action in [-1, 1], linear in the no-load speed it sets; elementwise."""
     idle, top = (machine.numbers[f"engine.{n}_rpm"] for n in ("idle", "no_load"))
     set_rpm = SLOWEST_RPM + 0.5 * (throttle + 1.0) * (FASTEST_RPM - SLOWEST_RPM)
@@ -112,7 +112,7 @@ def start_throttle(machine: Machine) -> float:
     return 2.0 * (set_rpm - SLOWEST_RPM) / (FASTEST_RPM - SLOWEST_RPM) - 1.0
 
 
-def depth_set_m(hitch: Any) -> Any:
+def depth_set_m(hitch: Array) -> Array:
     """Depth set point of a hitch action in [-1, 1]; elementwise [m]."""
     return RAISED_M + 0.5 * (hitch + 1.0) * (DEEPEST_M - RAISED_M)
 
@@ -231,9 +231,9 @@ def _soil(preset: str) -> tuple[Array, Array]:
     return block.SOIL + np.array(list(part)), np.array(list(part.values()))
 
 
-def _place(ground: Ground, start_m: float) -> dict[Any, float]:
+def _place(ground: Ground, start_m: float) -> Part:
     """The block's numbers of what varies over a field: patches, counted from the start."""
-    out: dict[Any, float] = {
+    out: Part = {
         Field.SEED: ground.pattern_seed,
         Field.ORIGIN_S_M: ground.origin_m[0],
         Field.ORIGIN_T_M: ground.origin_m[1],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.random import Generator
@@ -43,13 +43,17 @@ OPTIONS = (
 """What `reset`'s options may name; what is named is taken as it is, the rest is drawn."""
 
 
+Options: TypeAlias = dict[str, Any]
+"""Of `reset`, by the names in OPTIONS; users write them."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Recipe:
     """What an environment's grounds are drawn from."""
 
     presets: tuple[str, ...] = KINDS
     steepest_deg: Mapping[str, float] = field(default_factory=lambda: STEEPEST_DEG)
-    patches: tuple[Any, ...] = PATCHES
+    patches: tuple[int, *tuple[tuple[float, float], ...]] = PATCHES
     options: tuple[str, ...] = OPTIONS
 
 
@@ -83,7 +87,7 @@ class Ground:
 
     preset: str
     """The soil's."""
-    own: Mapping[str, Any]
+    own: Options
     """The soil's own numbers, those of `SPREAD`."""
     shape: GroundShape
     patches: tuple[Patch, ...]
@@ -100,7 +104,7 @@ class Ground:
         """The soil as a scenario has it."""
         return Soil(preset=self.preset, **self.own)
 
-    def info(self, recipe: Recipe = PLOUGHED) -> dict[str, Any]:
+    def info(self, recipe: Recipe = PLOUGHED) -> Options:
         """The ground by the names of the recipe's options."""
         known = {
             "soil.preset": self.preset,
@@ -133,7 +137,7 @@ def ground_shapes(depth_m: float, recipe: Recipe = PLOUGHED) -> tuple[GroundShap
     return tuple(drawn)
 
 
-def check_options(options: Mapping[str, Any] | None, recipe: Recipe = PLOUGHED) -> dict[str, Any]:
+def check_options(options: Options | None, recipe: Recipe = PLOUGHED) -> Options:
     """`reset`'s options, checked.
 
     Raises:
@@ -166,7 +170,7 @@ def check_options(options: Mapping[str, Any] | None, recipe: Recipe = PLOUGHED) 
 
 def draw(
     generator: Generator,
-    options: Mapping[str, Any],
+    options: Options,
     choices: Sequence[GroundShape],
     recipe: Recipe = PLOUGHED,
 ) -> Ground:
@@ -235,7 +239,7 @@ def _patches(value: Any) -> tuple[Patch, ...]:
     )
 
 
-def _part(options: Mapping[str, Any], prefix: str) -> dict[str, Any]:
+def _part(options: Options, prefix: str) -> Options:
     return {n.removeprefix(prefix): v for n, v in options.items() if n.startswith(prefix)}
 
 

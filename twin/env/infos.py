@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-Infos = dict[str, Any]
+Infos: TypeAlias = dict[str, Any]
 
 
 def columns(rows: Sequence[Infos], ids: Sequence[int], mask: NDArray[np.bool_]) -> Infos:
@@ -23,7 +23,7 @@ def columns(rows: Sequence[Infos], ids: Sequence[int], mask: NDArray[np.bool_]) 
     return infos
 
 
-def add(infos: Infos, values: Mapping[str, Any], mask: NDArray[np.bool_]) -> None:
+def add(infos: Infos, values: Mapping[str, ArrayLike], mask: NDArray[np.bool_]) -> None:
     """Values of the tractors in the mask, 0 for the others, with the mask beside them."""
     (ids,), told = mask.nonzero(), mask.copy()
     all_values = np.zeros((len(values), len(mask)))

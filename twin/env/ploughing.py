@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from twin.env import observations, reward
-from twin.env.episodes import Episodes, asked
+from twin.env.episodes import Episodes, Some, asked
 from twin.env.fleet import Fleet
 from twin.env.grounds import PLOUGHED, ground_shapes
 from twin.machine.fuel import fuel_lph
@@ -58,7 +57,7 @@ class Ploughing(Episodes):
         """Work, efficiency, slip and depth; see `twin.env.reward.terms`."""
         return reward.terms(true, self.width_m, self.depth_m, self.slip_target)
 
-    def task(self, ids: Any) -> dict[str, Any]:
+    def task(self, ids: Some) -> dict[str, ArrayLike]:
         """Throttle and hitch in force, and the targets."""
         return {
             "throttle": self.actions[ids, 0],

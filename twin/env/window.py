@@ -9,6 +9,7 @@ from typing import Any
 import glfw
 import mujoco
 from gymnasium.error import DependencyNotInstalled
+from mujoco.batch import Batch
 
 from twin.env.rendering import FPS, HEIGHT, WIDTH, look_at_tractor
 
@@ -18,7 +19,7 @@ MOST_GEOMS = 10_000
 class Window:
     """A window that follows the tractor, in the tractor's own time."""
 
-    def __init__(self, model: Any) -> None:
+    def __init__(self, model: mujoco.MjModel) -> None:
         """Raises DependencyNotInstalled without a display."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the same is said below
@@ -38,7 +39,7 @@ class Window:
         self.context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
         self.next_s = 0.0
 
-    def of(self, batch: Any, i: int) -> None:
+    def of(self, batch: Batch, i: int) -> None:
         """One tractor of a Batch on its own ground, 20 ms after the last; nothing once closed."""
         if not self.window or glfw.window_should_close(self.window):
             return

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -39,7 +38,7 @@ class Machine:
     """A compiled machine on its ground, ready to run."""
 
     scenario: Scenario
-    model: Any
+    model: mujoco.MjModel
     """mujoco.MjModel with the parameter block."""
     numbers: dict[str, float]
     """The models' own <numeric> values by name."""
@@ -125,13 +124,13 @@ def assemble(scenario: Scenario, *, looks: bool = False, setting: Setting | None
     )  # fmt: skip
 
 
-def _leave_plough(spec: Any) -> None:
+def _leave_plough(spec: mujoco.MjSpec) -> None:
     spec.delete(spec.tendon("top_link"))  # first: it goes with the body it is tied to
     spec.delete(spec.body("plough.frame"))
 
 
 def _add_ground(
-    spec: Any, rotation: Array, maps: dict[str, GridMap], numbers: dict[str, float]
+    spec: mujoco.MjSpec, rotation: Array, maps: dict[str, GridMap], numbers: dict[str, float]
 ) -> None:
     """The plane that catches what is not a wheel, below all heights; and the maps."""
     for name, grid in maps.items():
@@ -153,7 +152,7 @@ def _add_ground(
     )
 
 
-def _fit_tractor(spec: Any, plough: Plough, numbers: dict[str, float]) -> None:
+def _fit_tractor(spec: mujoco.MjSpec, plough: Plough, numbers: dict[str, float]) -> None:
     """Weights on the tractor's front, which move its centre of gravity; the top link's hole."""
     spec.site("top_link_front").pos[2] -= plough.drop_m
     if plough.ballast_kg == 0.0:
@@ -169,7 +168,7 @@ def _fit_tractor(spec: Any, plough: Plough, numbers: dict[str, float]) -> None:
     )  # fmt: skip
 
 
-def _add_activations(spec: Any) -> None:
+def _add_activations(spec: mujoco.MjSpec) -> None:
     """One actuator that moves nothing and holds what the laws remember: `twin.machine.memory`."""
     shares = sum(site.name.startswith("plough.share_") for site in spec.sites)
     spec.add_actuator(
@@ -182,13 +181,13 @@ def _add_activations(spec: Any) -> None:
     )
 
 
-def _activation_count(spec: Any) -> int:
+def _activation_count(spec: mujoco.MjSpec) -> int:
     """How many activations the model will have, those of its own actuators too."""
     none = mujoco.mjtDyn.mjDYN_NONE
     return sum(max(1, a.actdim) for a in spec.actuators if a.dyntype != none)
 
 
-def _hitch(spec: Any) -> Hitch | None:
+def _hitch(spec: mujoco.MjSpec) -> Hitch | None:
     if spec.body("lower_links") is None:
         return None
     links, frame = spec.body("lower_links"), spec.frame("hitch")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -49,13 +49,13 @@ class Settled:
     """Load of each wheel. Shape (4,)."""
 
 
-def unsettled(model: Any, qpos: Array) -> Settled:
+def unsettled(model: mujoco.MjModel, qpos: Array) -> Settled:
     """The machine where it was put: no tyre is wound up, and no load is known."""
     return Settled(qpos, np.zeros(model.na), np.full(len(block.WHEELS), np.nan))
 
 
 def standing(
-    model: Any,
+    model: mujoco.MjModel,
     scenario: Scenario,
     rotation: Array,
     hitch: Hitch | None,
@@ -82,7 +82,7 @@ def standing(
     return np.asarray(qpos, dtype=np.float64)
 
 
-def _lean(model: Any, heights: GridMap, left_m: float) -> tuple[Array, float]:
+def _lean(model: mujoco.MjModel, heights: GridMap, left_m: float) -> tuple[Array, float]:
     """Rotation that lays the machine on the plane through its wheels' places, and its height.
 
     Raised until none of them is below the ground.

@@ -6,8 +6,8 @@ and nothing is taken from the state after it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,8 @@ from twin.trajectory.end import End
 from twin.trajectory.trajectory import Trajectory
 
 Array = NDArray[np.float64]
+Record: TypeAlias = dict[str, Array]
+"""What a Batch recorded after each step, by name. Shapes (nsim, steps, ...)."""
 
 WHEEL_COLUMNS = {
     "rolling_radius_m": WheelSlot.ROLLING_RADIUS_M,
@@ -88,9 +90,7 @@ class Recorder:
         """Simulated time recorded so far."""
         return self.steps * self.step_ns * 1e-9
 
-    def trajectory(
-        self, records: Sequence[dict[Any, NDArray[Any]]], end: End | None = None
-    ) -> Trajectory:
+    def trajectory(self, records: Sequence[Record], end: End | None = None) -> Trajectory:
         """One trajectory from consecutive records of (1, steps, ...) each; the last has an end."""
         sensordata = np.concatenate([r["sensordata"][0] for r in records])  # (n, nsensordata)
         slots = np.concatenate([r["userdata"][0] for r in records])  # (n, nuserdata)
@@ -168,7 +168,7 @@ class Recorder:
         place = place_w @ self.world_from_ground
         return self.heights.at(place[:, 0], place[:, 1])
 
-    def _laser(self, sensor: Any, n: int) -> dict[str, Array]:
+    def _laser(self, sensor: Callable[[str], Array], n: int) -> dict[str, Array]:
         """True range of the depth laser to the ground below it, and inclination of its frame.
 
         None without a plough.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -28,7 +27,7 @@ LOOK_S = 0.02
 """Time between two looks whether it is still finite."""
 
 
-def settled(model: Any, qpos: Array, rotation: Array, scenario: Scenario) -> Settled:
+def settled(model: mujoco.MjModel, qpos: Array, rotation: Array, scenario: Scenario) -> Settled:
     """Where the machine comes to rest with the brakes on and the plough carried.
 
     Raises:
@@ -51,7 +50,7 @@ def settled(model: Any, qpos: Array, rotation: Array, scenario: Scenario) -> Set
     return Settled(rest, act, load_n)
 
 
-def _settle(model: Any, state: Any, scenario: Scenario) -> None:
+def _settle(model: mujoco.MjModel, state: mujoco.MjData, scenario: Scenario) -> None:
     """Let it come to rest, and refuse what diverges."""
     row = np.empty(mujoco.mj_stateSize(model, STATE))
     ring, steps = (

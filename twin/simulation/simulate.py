@@ -9,12 +9,12 @@ from twin.compute import quaternion
 from twin.machine.build import Machine
 from twin.physics.engine import radps_to_rpm
 from twin.scenario.route import LOWERING_M
-from twin.simulation.columns import Recorder
+from twin.simulation.columns import Record, Recorder
 from twin.simulation.driver import HitchControl, Observation
 from twin.simulation.ends import EndMonitor, Progress
 from twin.simulation.passes import Passes
 from twin.simulation.quiet import quiet
-from twin.simulation.simulation import DECISION_S, Record, Simulation
+from twin.simulation.simulation import DECISION_S, Simulation
 from twin.trajectory.end import End, Outcome
 from twin.trajectory.trajectory import Trajectory
 

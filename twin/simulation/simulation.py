@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeAlias
 
 import mujoco
 import numpy as np
@@ -15,7 +14,7 @@ from twin.machine.geometry import geometry
 from twin.physics import block
 from twin.physics.block import WheelSlot
 from twin.simulation.braking import BrakePedal
-from twin.simulation.columns import RECORDED
+from twin.simulation.columns import RECORDED, Record
 from twin.simulation.course_task import course_task, drivetrain
 from twin.simulation.decision import CONTROLS, decide, observe
 from twin.simulation.driver import DriverState, DriverTask, Observation
@@ -24,8 +23,6 @@ from twin.simulation.records import Records, records
 from twin.truth.motion import DrivenAxle, Wheels, driven_axle
 
 Array = NDArray[np.float64]
-Record: TypeAlias = dict[str, Array]
-"""What a Batch recorded after each step, by name. Shapes (nsim, steps, ...)."""
 
 DECISION_S = 0.02
 """Time between two decisions of the driver; a whole number of physics steps."""

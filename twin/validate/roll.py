@@ -18,7 +18,7 @@ from twin.rig.tractor import Statics, statics, tractor
 from twin.rig.tyre import machine_tyre
 from twin.scenario import Soil
 from twin.validate.by_hand import hold, parked
-from twin.validate.check import Check, near
+from twin.validate.check import Basis, Check, near
 
 Array = NDArray[np.float64]
 
@@ -53,16 +53,34 @@ def roll_mode() -> list[Check]:
     )
     return [
         near(
-            case, "roll mode", seen.frequency_hz, "Hz", expected.frequency_hz, relative=0.05,
-            source=source, grade="derived",
-            why="bounce, yaw and the front axle's own roll are left out", note=CONTEXT,
+            case,
+            "roll mode",
+            seen.frequency_hz,
+            "Hz",
+            expected.frequency_hz,
+            relative=0.05,
+            basis=Basis(
+                source=source,
+                grade="derived",
+                why="bounce, yaw and the front axle's own roll are left out",
+                note=CONTEXT,
+            ),
         ),
         near(
-            case, "its axis above the centre of gravity", seen.axis_above_cg_m, "m",
-            expected.axis_above_cg_m, relative=0.1, source=source, grade="derived",
-            why="the same, and small differences of two large numbers", note=CONTEXT,
+            case,
+            "its axis above the centre of gravity",
+            seen.axis_above_cg_m,
+            "m",
+            expected.axis_above_cg_m,
+            relative=0.1,
+            basis=Basis(
+                source=source,
+                grade="derived",
+                why="the same, and small differences of two large numbers",
+                note=CONTEXT,
+            ),
         ),
-    ]  # fmt: skip
+    ]
 
 
 def closed_form(machine: Machine, body: Statics) -> Mode:
