@@ -6,7 +6,6 @@ Random fields are made by hashing, so a run can be repeated over them.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -35,7 +34,7 @@ STRENGTH, RIPPLE, ROCKS = 101, 202, 303
 
 
 @law
-def node_value(seed: float, ix: Any, iy: Any) -> float:
+def node_value(seed: float, ix: np.int64 | int, iy: np.int64 | int) -> float:
     """Uniform random number at a lattice node, mean 0, variance 1.
 
     SplitMix64's finaliser (Steele, Lea, Flood 2014) over the node's coordinates and the seed.

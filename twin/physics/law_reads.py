@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import itertools
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 
@@ -65,7 +65,7 @@ def fields_read(name: str) -> frozenset[str]:
     )
 
 
-def _answers(law: Any, lowered: tuple[Soil, ...]) -> bytes:
+def _answers(law: Callable[..., tuple[float, ...]], lowered: tuple[Soil, ...]) -> bytes:
     """What a law says at all points, on a soil of which some numbers are a tenth less."""
     soil, wheel = np.zeros(Soil.SIZE), np.zeros(Wheel.SIZE)
     for slot, value in _TYPICAL.items():

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import llvmlite.binding
 import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
+
+from twin.compute.compiled import Untyped
 
 MOST_LAWS = 32
 TABLE = np.zeros((MOST_LAWS, 2), dtype=np.int64)
@@ -24,10 +24,10 @@ SIGNATURE = types.void(
 
 
 @intrinsic
-def table_pointer(typing_context: Any) -> Any:
+def table_pointer(typing_context: Untyped) -> Untyped:
     """Pointer to TABLE, by a symbol that is resolved when machine code is loaded."""
 
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    def codegen(context: Untyped, builder: Untyped, signature: Untyped, args: Untyped) -> Untyped:
         known = builder.module.globals.get(SYMBOL)
         variable = known or ir.GlobalVariable(builder.module, ir.IntType(64), SYMBOL)
         return builder.bitcast(variable, context.get_value_type(signature.return_type))
@@ -37,12 +37,18 @@ def table_pointer(typing_context: Any) -> Any:
 
 @intrinsic
 def call(
-    typing_context: Any, address: Any, soil: Any, wheel: Any, load: Any, slip: Any, side: Any
-) -> Any:
+    typing_context: Untyped,
+    address: Untyped,
+    soil: Untyped,
+    wheel: Untyped,
+    load: Untyped,
+    slip: Untyped,
+    side: Untyped,
+) -> Untyped:
     """Call the C function of a law by its address; the five numbers it writes, as a tuple."""
     result = types.UniTuple(types.float64, 5)
 
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    def codegen(context: Untyped, builder: Untyped, signature: Untyped, args: Untyped) -> Untyped:
         double = ir.DoubleType()
         pointer = double.as_pointer()
         kind = ir.FunctionType(

@@ -17,13 +17,12 @@ import inspect
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numba
 import numpy as np
 from numba import carray
 
-from twin.compute.compiled import inlined_law, key
+from twin.compute.compiled import Untyped, inlined_law, key
 from twin.errors import BadInput
 from twin.physics.bekker import bekker
 from twin.physics.block import Soil, Wheel
@@ -86,18 +85,20 @@ def register(function: Callable[..., Forces], name: str) -> float:
     return float(number)
 
 
-_KNOWN: dict[int, tuple[Any, Any]] = {}
+_KNOWN: dict[int, tuple[Untyped, Untyped]] = {}
 """Number -> the law as it was given and as it was compiled; the table holds only addresses."""
 
 
-def _compile(function: Any, name: str) -> Any:
+def _compile(function: Untyped, name: str) -> Untyped:
     """The law as a C function; not cached on disk, so that it cannot be stale."""
     try:
         pure = function
         if not hasattr(function, "py_func"):
             pure = numba.njit(error_model="numpy")(function)
 
-        def entry(soil: Any, wheel: Any, load: Any, slip: Any, side: Any, out: Any) -> None:
+        def entry(
+            soil: Untyped, wheel: Untyped, load: Untyped, slip: Untyped, side: Untyped, out: Untyped
+        ) -> None:
             out[0], out[1], out[2], out[3], out[4] = pure(
                 carray(soil, SOIL_SIZE), carray(wheel, WHEEL_SIZE), load, slip, side
             )
@@ -109,7 +110,7 @@ def _compile(function: Any, name: str) -> Any:
         raise BadInput(f"soil law '{name}' cannot be compiled: {reason}") from None
 
 
-def _source(function: Any, name: str) -> str:
+def _source(function: Untyped, name: str) -> str:
     """Text of the file a law stands in."""
     try:
         module = inspect.getmodule(getattr(function, "py_func", function))

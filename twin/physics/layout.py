@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import ctypes
 from functools import cache
-from typing import Any
+from typing import Any, TypeAlias
 
 from mujoco.introspect import ast_nodes, structs
 
-_PRIMITIVE: dict[str, Any] = {
+CType: TypeAlias = Any
+"""A class of ctypes, made at run time."""
+
+_PRIMITIVE: dict[str, CType] = {
     "int": ctypes.c_int,
     "mjtNum": ctypes.c_double,
     "double": ctypes.c_double,
@@ -33,7 +36,7 @@ def struct(name: str) -> type[ctypes.Structure]:
 
 def offset(name: str, path: str) -> int:
     """Byte offset of a field, by a dotted path for a nested struct ("opt.timestep")."""
-    kind: Any = struct(name)
+    kind: CType = struct(name)
     total = 0
     for part in path.split("."):
         total += getattr(kind, part).offset
@@ -41,7 +44,7 @@ def offset(name: str, path: str) -> int:
     return total
 
 
-def _ctype(node: Any) -> Any:
+def _ctype(node: ast_nodes.ValueType | ast_nodes.AnonymousStructDecl) -> CType:
     if isinstance(node, ast_nodes.PointerType):
         return ctypes.c_void_p
     if isinstance(node, ast_nodes.ArrayType):

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from twin.compute.compiled import law
 from twin.physics import block, rigid
 from twin.physics.block import Envelope, Field, Head, MachineSlot, Plough, PowerSlot
 from twin.physics.contact import felt_height
 from twin.physics.ground import draft_scale, field_axis, on_ground, on_map
+from twin.physics.memory import Pointer
 from twin.physics.plough import (
     LIFTED_S,
     depth_wheel_force,
@@ -86,7 +86,7 @@ def pull_plough(
     cvel: Array,
     com: Array,
     cdof: Array,
-    parent: Any,
+    parent: Pointer,
     passive: Array,
     act: Array,
     dt_s: float,

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from twin.compute.compiled import inlined_law
+from twin.physics.memory import Pointer
 from twin.physics.shapes import Array, Vector
 
 
@@ -100,7 +100,7 @@ def point_velocity(cvel: Array, com: Array, body: int, root: int, point: Vector)
 def push(
     force_out: Array,
     cdof: Array,
-    parent: Any,
+    parent: Pointer,
     last_dof: int,
     com: Array,
     root: int,
