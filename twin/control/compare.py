@@ -33,7 +33,7 @@ def compare(
         episodes: grounds.
         duration_s: length of an episode.
         observation: what the controllers see; see `PloughEnv`.
-        progress: told the share done.
+        progress: called with the share done.
         environment: one of `ENVIRONMENTS`.
 
     Returns:

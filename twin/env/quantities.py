@@ -18,7 +18,7 @@ from twin.truth.motion import Wheels, driven_axle, ground_velocity, slip_ratio
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
 
-TOLD = {
+REPORTED = {
     **{f"slip_{wheel}": (i, WheelSlot.SLIP) for i, wheel in enumerate(WHEELS)},
     **{f"load_{wheel}_n": (i, WheelSlot.LOAD_N) for i, wheel in enumerate(WHEELS)},
     "depth_m": (len(WHEELS), MachineSlot.DEPTH_M),
@@ -28,7 +28,7 @@ TOLD = {
     "axle_torque_nm": (len(WHEELS), MachineSlot.AXLE_TORQUE_NM),
 }
 """What the callback reports as it is: after how many wheels, and which slot of theirs."""
-SLOTS = np.array([after * WheelSlot.SIZE + slot for after, slot in TOLD.values()])
+SLOTS = np.array([after * WheelSlot.SIZE + slot for after, slot in REPORTED.values()])
 
 
 class Reported(NamedTuple):
@@ -69,7 +69,7 @@ def true(reported: Reported, driven: Ids, ids: Ids | None = None) -> dict[str, A
         "axle_radps": axle.axle_radps,
         "slip": slip_ratio(axle.wheel_speed_mps, axle.hub_mps),
     }
-    return out | dict(zip(TOLD, now.slots.T[SLOTS], strict=True))
+    return out | dict(zip(REPORTED, now.slots.T[SLOTS], strict=True))
 
 
 def powers(true: Mapping[str, Array], least_w: float = 1e3) -> dict[str, Array]:

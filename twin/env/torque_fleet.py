@@ -28,7 +28,7 @@ START_MPS = 1.0
 SPEED_GAIN_PS = 2.0
 """Action per speed error, before an episode [s/m]."""
 LEAST_W = 10.0
-"""Power of both motors below which no efficiency is told [W]."""
+"""Power of both motors below which the efficiency counts as 0 [W]."""
 STANDING_MPS = 0.1
 """Below this the draft fades, so that it holds nothing the other way [m/s]."""
 

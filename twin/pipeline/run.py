@@ -147,7 +147,7 @@ def _measured(scenario: Measured) -> tuple[Setup, Streams, Table]:
 
 
 def _silent(fraction: float, driven_s: float) -> None:
-    """Nobody wants to know."""
+    """No-op progress callback."""
 
 
 def sense(
