@@ -18,6 +18,7 @@ from twin.physics import block
 from twin.pipeline import named as registry
 from twin.simulation.build import build
 from twin.simulation.columns import Recorder
+from twin.simulation.guard import Diverged, repeat
 from twin.streams import concatenate
 from twin.trajectory.trajectory import Trajectory
 from twin.truth import truth
@@ -230,6 +231,17 @@ def test_nothing_is_compiled_on_reset(truth_env, monkeypatch):
     monkeypatch.setattr(mujoco.MjSpec, "compile", fails)
     truth_env.reset(seed=1, options={"soil.preset": "soft"})
     truth_env.step(np.zeros(2))
+
+
+def test_a_failure_names_the_machine_and_what_was_not_finite(machine, begin):
+    fleet = Fleet(machine, nsim=2)
+    fleet.restore([0, 1], [begin] * 2, [ground(1), ground(2)])
+    fleet.qvel[1, machine.model.joint("rl_spin").dofadr[0]] = np.inf
+    with pytest.raises(Diverged, match=r"rl.* of machine 1 of 'Plough-v0'") as caught:
+        fleet.drive(np.repeat(ACTION, 2, axis=0), record=False)
+    assert repeat(fleet.batch.get_model(1), caught.value.evidence.states, fleet.steps).failure
+    fleet.restore([1], [begin], [ground(2)])
+    fleet.drive(np.repeat(ACTION, 2, axis=0), record=False)
 
 
 def downhill(machine, nsim=1):
