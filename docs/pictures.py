@@ -12,28 +12,31 @@ from typing import Any
 
 import cv2
 import matplotlib as mpl
-import mujoco
 import numpy as np
 from matplotlib.figure import Figure
-from scipy.spatial.transform import Rotation
 
-from twin.machine.build import build
-from twin.palette import FIGURE, TRUTH_COLOUR, colours
-from twin.registry import load
-from twin.run import Run, run
-from twin.scores import seconds
-from twin.viz.ground import Ground, slices
+from twin.camera.opengl import OffScreen
+from twin.pipeline.named import load
+from twin.pipeline.result import Result
+from twin.pipeline.run import run
+from twin.report.palette import FIGURE, TRUTH_COLOUR, colours
+from twin.scores.scores import seconds
+from twin.viz.field import Seen
+from twin.viz.ground import Ground, worked
 from twin.viz.shapes import joint_states
-from twin.viz.tools import every
+from twin.viz.stage import Stage
+from twin.viz.tools import position_w
 
 HERE = Path(__file__).parent / "pictures"
 ESTIMATORS = ("ratio", "four-state")
-WIDTH, HEIGHT = 1280, 640
+WIDTH, HEIGHT = 2560, 1280
+"""Twice what a page shows it at."""
+FINER = 2
+"""It is drawn so many times larger, and made smaller, so that edges are smooth."""
 AT_M = 40.0
 """Where along the course the picture of the tractor is taken."""
-SOIL_RGBA, LAND_RGB = (0.36, 0.26, 0.18, 1.0), (0.66, 0.57, 0.44)
-SKY_RGB = ((120, 170, 220), (232, 240, 246))
-FAR_M, PLOUGHED_M = 300.0, 6.0
+VIEW, LOOK_AT_M = (-38.0, -17.0, 8.8), (-1.2, -0.1, -0.25)
+"""Azimuth and elevation [deg] and distance [m] of the eye; what it looks at, from the tractor."""
 LINE: Any = FIGURE | {
     "svg.fonttype": "none", "svg.hashsalt": "", "font.family": "sans-serif", "font.size": 10.0,
 }  # fmt: skip
@@ -49,59 +52,38 @@ def main() -> None:
     (HERE / "estimates.svg").write_text(slip(result), encoding="utf-8")
 
 
-def ploughing(result: Run) -> np.ndarray[Any, Any]:
+def ploughing(result: Result) -> np.ndarray[Any, Any]:
     """The tractor at its work. Shape (HEIGHT, WIDTH, 3)."""
-    machine = build(result.scenario, looks=True, settle=False)  # type: ignore[arg-type]
-    model = machine.model
-    truth = result.truth
-    row = int(np.argmax(truth["east_m"] > AT_M))
-    model.vis.global_.offwidth, model.vis.global_.offheight = WIDTH, HEIGHT
+    scenario: Any = result.scenario
+    stage = Stage(scenario, camera="follow", detail=2.5)
+    model = stage.model
     model.vis.quality.offsamples, model.vis.quality.shadowsize = 8, 8192
-    model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.42, 0.3
-    for ground_geom in ("ground", "terrain"):
-        model.geom(ground_geom).rgba[:3] = LAND_RGB
-    data = mujoco.MjData(model)
-    data.qpos[:] = joint_states(model, {k: v[row : row + 1] for k, v in truth.items()})[0]
-    mujoco.mj_forward(model, data)
-    view = mujoco.MjvCamera()
-    view.lookat[:] = data.body("tractor").xpos + np.array([-1.3, -0.2, -0.1])
-    view.distance, view.azimuth, view.elevation = 8.8, -36.0, -17.0
-    with mujoco.Renderer(model, HEIGHT, WIDTH) as renderer:
-        renderer.update_scene(data, camera=view)
-        ground = Ground(world_from_ground=machine.world_from_ground, maps=machine.maps)
-        past = every({name: column[: row + 1] for name, column in truth.items()}, 2.0)
-        _, centre, half_m, xyzw = slices(past, result.scenario, ground)
-        turn = Rotation.from_quat(xyzw.reshape(-1, 4)).as_matrix()
-        for box in zip(centre.reshape(-1, 3), half_m.reshape(-1, 3), turn, strict=True):
-            _add_box(renderer.scene, *box)
-        ploughed_m = np.array([AT_M, -0.85 - PLOUGHED_M, 0.0])
-        _add_box(renderer.scene, ploughed_m, np.array([80.0, PLOUGHED_M, 0.05]), np.eye(3))
-        _add_sun(renderer.scene)
-        image: np.ndarray[Any, Any] = renderer.render()
-        renderer.enable_depth_rendering()
-        far = renderer.render() > FAR_M
-    up = np.linspace(1.0, 0.0, HEIGHT)[:, None, None]
-    sky = (up * np.array(SKY_RGB[0]) + (1.0 - up) * np.array(SKY_RGB[1])).astype(np.uint8)
-    return np.where(far[..., None], sky, image)
+    row = int(np.argmax(result.truth["east_m"] > AT_M))
+    past = {name: column[: row + 1] for name, column in result.truth.items()}
+    ground = Ground(world_from_ground=stage.machine.world_from_ground, bodies=stage.bodies)
+    passes = worked(past, scenario, ground)
+    s_m, t_m, _ = position_w(past)[-1] @ ground.world_from_ground
+    seen = Seen(
+        s_m=s_m,
+        t_m=t_m,
+        world_from_ground=ground.world_from_ground,
+        heights=stage.machine.maps.get("heights"),
+        bodies=stage.bodies,
+        furrow_depth_m=scenario.plough.depth_m,
+        depth_m=scenario.plough.depth_m,
+        cuts=[cut for cut, _ in passes],
+        done=[way for _, way in passes],
+    )
+    stage.eye.azimuth, stage.eye.elevation, stage.eye.distance = VIEW
+    stage.look_at_m[:] = LOOK_AT_M
+    stage.set(joint_states(model, {name: column[-1:] for name, column in past.items()})[0], seen)
+    frame = OffScreen(model, FINER * WIDTH, FINER * HEIGHT)
+    large = stage.picture(frame)
+    frame.close()
+    return cv2.resize(large, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA)
 
 
-def _add_sun(scene: Any) -> None:
-    light = scene.lights[scene.nlight]
-    light.type = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
-    light.pos[:], light.dir[:] = (AT_M - 10.0, 12.0, 25.0), (0.35, -0.5, -0.8)
-    light.ambient[:], light.diffuse[:], light.specular[:] = 0.0, 0.75, 0.2
-    light.castshadow = 1
-    scene.nlight += 1
-
-
-def _add_box(scene: Any, centre: Any, half_m: Any, rotation: Any) -> None:
-    geom = scene.geoms[scene.ngeom]
-    box = mujoco.mjtGeom.mjGEOM_BOX
-    mujoco.mjv_initGeom(geom, box, half_m, centre, rotation.ravel(), np.float32(SOIL_RGBA))
-    scene.ngeom += 1
-
-
-def slip(result: Run) -> str:
+def slip(result: Result) -> str:
     """Truth against estimates, as SVG."""
     window_s = (18.0, 38.0)
     with mpl.rc_context(LINE):

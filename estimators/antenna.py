@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from estimators.inertial import turning_at
 from estimators.kalman import Record
 from estimators.layout import GRAVITY_MPS2, REPEATED, STALE_S
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 GRADE_S = 2.0
 """Time over which the climb is averaged [s]."""

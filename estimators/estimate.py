@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from estimators import signals
 from estimators.kalman import Record, slip_and_sd
 from estimators.wheel_speed import driven_mean, mean_variance
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 from twin.streams import ESTIMATES, Setup, Streams, Table
 
 ROW = np.dtype(

@@ -26,7 +26,7 @@ from estimators.steps import (
     first_step,
     gather,
 )
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 from twin.streams import Setup, Streams, Table
 
 Array = NDArray[np.float64]

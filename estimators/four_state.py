@@ -19,7 +19,7 @@ from estimators.layout import (
     STALE_S,
     WHEELS,
 )
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 from twin.streams import Setup, Streams, Table
 
 START_ACCEL_SD_MPS2 = 1.0

@@ -11,7 +11,7 @@ from estimators.estimate import State, advance, begin, write_axle
 from estimators.kalman import Record, predict, update
 from estimators.layout import GNSS, NO_GROUND_SPEED, OUT_OF_ORDER, RESTARTED, STALE_S, WHEELS
 from estimators.wheel_speed import driven_mean, mean_variance
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 from twin.streams import Setup, Streams, Table
 
 STEP_S = 0.1

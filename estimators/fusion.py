@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from estimators.kalman import Array
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 
 @compiled

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from estimators.kalman import Record
 from estimators.layout import GRAVITY_MPS2, HISTORY
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 GYRO_MEAN_S = 30.0
 """Roll and pitch rates are taken about their mean over this: a tractor does not go on rolling,

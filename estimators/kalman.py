@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 Array = NDArray[np.float64]
 Record = Any

@@ -21,7 +21,7 @@ from estimators.optimisers import mayfly, pso
 from estimators.optimisers.chance import State
 from estimators.optimisers.improved_mayfly import good_point_set
 from estimators.optimisers.population import random_points
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 Array = NDArray[np.float64]
 

@@ -26,7 +26,7 @@ from estimators.layout import (
     WHEELS,
 )
 from estimators.wheel_speed import driven_mean, mean_variance, towed_mean
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 from twin.streams import Setup, Streams, Table
 
 WHEEL = 2

@@ -11,7 +11,7 @@ from estimators.estimate import State, advance, begin, write
 from estimators.kalman import Record
 from estimators.layout import GNSS, NO_GROUND_SPEED, OUT_OF_ORDER, STALE_S, WHEELS
 from estimators.wheel_speed import mean_variance, towed_mean
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 from twin.streams import Setup, Streams, Table
 
 TUNING = np.dtype([("towed", "i8")])

@@ -33,7 +33,7 @@ from estimators.layout import (
     blank,
     nominal,
 )
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 from twin.streams import COLUMNS, Setup, Streams
 
 Records = NDArray[Any]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from estimators.kalman import Record
 from estimators.layout import GNSS, IMU, NO_GROUND_SPEED, OUT_OF_ORDER, STALE_S, WHEELS
 from estimators.wheel_speed import driven_mean, mean_variance, towed_mean
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 FRONT_SPEED, GNSS_SPEED, BODY_ACCEL, REAR_SPEED, REAR_ACCEL = range(5)
 MEASURED = 5

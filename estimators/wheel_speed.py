@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from estimators.kalman import Record
 from estimators.layout import STALE_S
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 TICKS, SPEEDS, ACCELS, SD = 0, 4, 8, 12
 """Where each block begins in `layout.WHEEL_COLUMNS`."""

@@ -1,6 +1,6 @@
 """Learn slip control with SAC or PPO, on two cores in under ten minutes.
 
-    pip install 'tractor-twin[rl]'
+    pip install '.[rl]'
     python examples/train_slip_control.py --env Plough-v0 --out plough.zip
     twin compare-controllers --env Plough-v0 --policy plough.zip
 

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
-from recordings import broken
+
+from tests.recordings import broken
 
 # a law's first call compiles it, which takes longer than any deadline
 settings.register_profile("compiled", settings.default, deadline=None)

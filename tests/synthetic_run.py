@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from twin.errors import check_range
-from twin.runfolder import Record
+from twin.io.run_folder import Record
 from twin.streams import WHEELS, GnssSetup, Setup, Streams, Table, WheelsSetup
 
 
@@ -111,8 +111,8 @@ MJCF = """
         <joint name="lift" axis="0 1 0"/>
         <geom class="visual" type="box" size="1.5 0.06 0.06" pos="-1.5 0 0" rgba=".1 .3 .6 1"/>
         <geom class="visual" type="sphere" size="0.15" pos="-2 0 -0.3" rgba=".1 .3 .6 1"/>
-        <site name="plough.share_1" pos="-1 0.225 -0.8"/>
-        <site name="plough.share_2" pos="-1.9 -0.225 -0.8"/>
+        <site name="plough.share_1" pos="-1 -0.225 -0.8"/>
+        <site name="plough.share_2" pos="-1.9 0.225 -0.8"/>
       </body>
     </body>
   </worldbody>

@@ -13,13 +13,15 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from synthetic_run import STUB, synthetic_run
 
-from twin import cli, registry
-from twin.commands import run as run_command
+from tests.synthetic_run import STUB, synthetic_run
+from twin import cli
 from twin.commands.parse import one_line
 from twin.errors import UnknownName
-from twin.machine.ends import End, Outcome
+from twin.pipeline import named as registry
+from twin.pipeline import saved
+from twin.pipeline.result import Result
+from twin.trajectory.end import End, Outcome
 
 HEAVY = ("mujoco", "numba", "rerun", "pyarrow", "matplotlib", "scipy", "gymnasium")
 
@@ -59,11 +61,14 @@ def stub(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Any]:
         driven.append(scenario)
         progress(1.0, 20.0)
         record = synthetic_run(scenario=scenario, duration_s=12.0)
-        return SimpleNamespace(**vars(record), end=DRIVEN, ended=str(DRIVEN), notes=(NOTE,))
+        return Result(
+            scenario, record.setup, record.streams, record.truth or {}, record.estimates,
+            end=DRIVEN, notes=(NOTE,),
+        )  # fmt: skip
 
     monkeypatch.setattr(registry, "load", load)
-    monkeypatch.setitem(sys.modules, "twin.run", SimpleNamespace(run=drive))
-    monkeypatch.setattr(run_command, "_pictures", lambda command: {})
+    monkeypatch.setitem(sys.modules, "twin.pipeline.run", SimpleNamespace(run=drive))
+    monkeypatch.setattr(saved, "pictures", lambda result, command: {})
     monkeypatch.chdir(tmp_path)
     return driven
 
@@ -169,7 +174,7 @@ def test_interrupted_is_130_and_leaves_nothing(
     def stop(*args: object, **kwargs: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setitem(sys.modules, "twin.run", SimpleNamespace(run=stop))
+    monkeypatch.setitem(sys.modules, "twin.pipeline.run", SimpleNamespace(run=stop))
     assert cli.main(["run", "stub"]) == 130
     assert os.listdir() == []
     assert capsys.readouterr().err == "twin: interrupted; nothing was written\n"
@@ -195,17 +200,14 @@ def test_a_real_log_gives_its_steady_slip(
 def test_a_run_folder_is_a_log_with_its_truth(
     stub: list[Any], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from twin.commands import estimate
-
     class Still(Silent):
         def run(self, state: None, chunk: Any) -> tuple[None, dict[str, Any]]:
             epoch_ns = chunk["wheels"]["epoch_ns"]
             return None, {"epoch_ns": epoch_ns, "slip": 0.0 * epoch_ns}
 
     monkeypatch.setattr(registry, "load", lambda kind, name: Still())
-    monkeypatch.setattr(estimate, "_pictures", lambda command: {})
     truth = synthetic_run(duration_s=12.0)
-    from twin import runfolder
+    from twin.io import run_folder as runfolder
 
     runfolder.write(truth, {}, Path("drive"))
     assert cli.main(["estimate", "drive", "--out", "again", "--json", "--estimators", "still"]) == 0
@@ -220,7 +222,7 @@ def test_bench_writes_its_rows(
 
     row = {"case": "step", "quantity": "share of native", "ours": 0.44, "high": 0.8, "passed": True}
     bench = SimpleNamespace(rows=lambda: [row])
-    monkeypatch.setitem(sys.modules, "twin.bench", bench)
+    monkeypatch.setitem(sys.modules, "twin.bench.bench", bench)
     monkeypatch.setattr(twin, "bench", bench, raising=False)
     assert cli.main(["bench", "--json", "rows.json"]) == 0
     assert json.loads(Path("rows.json").read_text()) == {"rows": [row]}

@@ -19,9 +19,10 @@ from joblib import delayed
 from rich.console import Console
 
 import twin
-from twin import cli, written
+from twin import cli
 from twin.commands import terminal
-from twin.many import many, telling
+from twin.compute.parallel import many, telling
+from twin.io import atomic as written
 
 ROW = {"case": "step", "quantity": "share", "ours": 0.44, "high": 0.8, "passed": True}
 RIG = ("rig", "wheel", "--slip", "0.1", "0.2", "--slip-angle-deg", "0")
@@ -43,7 +44,7 @@ def test_every_command_can_be_quiet_and_give_json(command: tuple[str, ...]) -> N
 @pytest.fixture
 def bench(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     made = SimpleNamespace(rows=lambda: [ROW])
-    monkeypatch.setitem(sys.modules, "twin.bench", made)
+    monkeypatch.setitem(sys.modules, "twin.bench.bench", made)
     monkeypatch.setattr(twin, "bench", made, raising=False)
     monkeypatch.chdir(tmp_path)
 

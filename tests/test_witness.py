@@ -16,10 +16,10 @@ import pytest
 
 from scenarios.ima_pkf import DISTURBED, Trial
 from twin.errors import BadInput
-from twin.run import run
+from twin.pipeline.run import run
 from twin.scenario import Course, Drive, Field, Patch, Plough, Scenario, Soil
+from twin.scenario.fields import replaced
 from twin.sensors import Camera, Fault, Gnss, Outage, Sensors
-from twin.study.fields import replaced
 
 NOT_TURNED = {
     "name", "about", "soil.numbers.name", "soil.numbers.about",  # names and texts

@@ -103,13 +103,13 @@ def _left_by(error: TwinError) -> str:
     evidence = getattr(error, "evidence", None)
     if evidence is None:
         return ""
-    from twin import runfolder
+    from twin.io import run_folder as runfolder
 
     try:
         folder = runfolder.write_failed(evidence)
     except (TwinError, OSError) as why:
         return f"; what repeats it could not be written: {why}"
-    return f"; {folder} repeats it (twin.machine.guard.replay)"
+    return f"; {folder} repeats it (twin.simulation.guard.replay)"
 
 
 def _refuse(message: str) -> int:

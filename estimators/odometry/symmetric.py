@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.odometry.lens import Array, Picture, centre_px
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 Vector = NDArray[np.float32]
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 State = NDArray[np.uint64]
 """State of xoshiro256++, (4,); changed in place by each draw."""

@@ -10,7 +10,7 @@ import numpy as np
 from estimators.optimisers.chance import State
 from estimators.optimisers.mayfly import COUNT, evolve
 from estimators.optimisers.population import Array, Function, Result
-from twin.compiled import compiled, inlined
+from twin.compute.compiled import compiled, inlined
 
 
 @inlined

@@ -21,7 +21,7 @@ from estimators.optimisers.population import (
     rank,
     result,
 )
-from twin.compiled import compiled, inlined
+from twin.compute.compiled import compiled, inlined
 
 MALE, FEMALE = 0, 1
 COUNT = 20

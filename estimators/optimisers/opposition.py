@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from estimators.optimisers.population import Array
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 ETA_MIN, ETA_MAX = 0.5, 2.0
 """Range of the scale; the paper prints none. 1 mirrors, 2 halves the distance to the middle."""

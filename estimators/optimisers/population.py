@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.optimisers.chance import State, uniform
-from twin.compiled import compiled, inlined
+from twin.compute.compiled import compiled, inlined
 
 Array = NDArray[np.float64]
 Function = Callable[[Array, Any], float]

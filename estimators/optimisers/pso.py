@@ -17,7 +17,7 @@ from estimators.optimisers.population import (
     random_points,
     result,
 )
-from twin.compiled import inlined
+from twin.compute.compiled import inlined
 
 PARTICLES = 40
 INERTIA, COGNITIVE, SOCIAL = 0.7298, 1.49618, 1.49618

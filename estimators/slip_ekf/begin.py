@@ -28,7 +28,7 @@ from estimators.slip_ekf.layout import (
     W,
 )
 from estimators.slip_ekf.rows import restart
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 SLOW_MPS = 0.3
 """Below this the first speeds say nothing of slip."""

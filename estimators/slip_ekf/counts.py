@@ -41,7 +41,7 @@ from estimators.slip_ekf.rows import (
     take,
 )
 from estimators.slip_ekf.tuning import FROM_FRONT, FROM_REAR
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 SPIN_GAIN, SPIN_NIS, MOST_SPIN = 0.02, 1.5, 1000.0
 """How fast the noise of the driven wheels' motion grows where their counts surprise on average by

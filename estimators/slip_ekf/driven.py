@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from estimators.kalman import Array, Record
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 MOVING_MPS = 0.2
 """A counter that stands still while its wheel should turn this fast is stuck."""

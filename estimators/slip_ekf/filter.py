@@ -36,7 +36,7 @@ from estimators.slip_ekf.rows import (
     take,
 )
 from estimators.slip_ekf.tuning import FROM_CAMERA, FROM_FRONT, FROM_GNSS, FROM_IMU
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 
 @compiled

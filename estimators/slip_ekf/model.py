@@ -45,7 +45,7 @@ from estimators.slip_ekf.layout import (
     V,
     W,
 )
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 LARGEST_SLIP, LEAST_SLIP = 0.9, -2.0
 """The usual slip is kept between these, so that the wheels' speed stays finite."""

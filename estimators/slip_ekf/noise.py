@@ -9,7 +9,7 @@ import numpy as np
 
 from estimators.kalman import Array, Record
 from estimators.slip_ekf.layout import LAGS
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 SETTLE = 100.0
 """Samples over which the variance is averaged."""

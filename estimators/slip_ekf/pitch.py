@@ -9,7 +9,7 @@ ploughing speed, several times what the counters themselves are off.
 from __future__ import annotations
 
 from estimators.kalman import Record
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 AHEAD_S = 0.06
 """No further ahead of the newest gyro sample is the pitch predicted."""

@@ -11,7 +11,7 @@ from estimators.slip_ekf import model
 from estimators.slip_ekf.driven import radius
 from estimators.slip_ekf.layout import NO_FRONT, NO_IMU, V
 from estimators.slip_ekf.pitch import rate_now
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 
 @compiled

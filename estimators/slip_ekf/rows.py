@@ -10,7 +10,7 @@ from estimators.estimate import SLOW_MPS
 from estimators.kalman import Array, Record
 from estimators.slip_ekf.layout import ACCEL_BIAS, RADIUS, REAR_TRAVEL, RIM_RATE, SKID, A, V, W
 from estimators.slip_ekf.tuning import FROM_GNSS
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 AGREES, HELD_UP_S = 1.0, 0.2
 """A ground speed within so many variances, so recently [s], speaks for the estimate that another

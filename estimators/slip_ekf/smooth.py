@@ -21,7 +21,7 @@ from estimators.slip_ekf.driven import radius
 from estimators.slip_ekf.filter import advance, measure
 from estimators.slip_ekf.layout import QUICK_RADIUS, RADIUS, REAR_TRAVEL, SIZE, USUAL, V, W
 from estimators.slip_ekf.raised import USED, lifted
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 from twin.streams import Setup, Streams, Table
 
 NUDGE = 1e-5

@@ -15,6 +15,7 @@ import re
 import shlex
 import subprocess
 import sys
+import tomllib
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from functools import cache
@@ -27,6 +28,7 @@ from twin import cli
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+ROOT_PAGES = [ROOT / name for name in ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")]
 FENCE = re.compile(r"(?:^<!-- ([^\n]*?) -->\n)?^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 MARKS = ("file: ", "not run: ", "command: ")
 FLAG = re.compile(r"--[a-z][\w.-]*")
@@ -113,20 +115,33 @@ def test_every_command_and_option_exists(page: Path) -> None:
             assert [g for g in given if g not in known] == [], f"{page.name}: {' '.join(words)}"
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name)
+@pytest.mark.parametrize("page", [*PAGES, *ROOT_PAGES], ids=name)
 def test_links_and_pictures_lead_somewhere(page: Path) -> None:
     targets = re.findall(r"\]\(([^)#\s]+)[^)]*\)", FENCE.sub("", page.read_text(encoding="utf-8")))
     assert [t for t in targets if "://" not in t and not (page.parent / t).exists()] == []
 
 
 @pytest.mark.parametrize(
-    ("page", "name"),
-    [("your-own-estimator.md", "mine.py"), ("your-own-scenario.md", "wet_hollow.py")],
+    ("page", "name", "lines"),
+    [
+        ("your-own-estimator.md", "mine.py", 25),
+        ("your-own-scenario.md", "wet_hollow.py", 25),
+        ("your-own-sensor.md", "radar.py", 40),
+        ("your-own-log-reader.md", "data_logger.py", 25),
+    ],
 )
-def test_what_a_page_shows_is_the_example_and_short(page: str, name: str) -> None:
+def test_what_a_page_shows_is_the_example_and_short(page: str, name: str, lines: int) -> None:
     shown = {b.file: b.text for b in blocks(ROOT / "docs" / page)}
     assert shown[name] == (ROOT / "examples" / name).read_text(encoding="utf-8")
-    assert len(shown[name].splitlines()) <= 25
+    assert len(shown[name].splitlines()) <= lines
+
+
+def test_the_citation_is_of_this_version() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    version = f"version: {project['version']}\n"
+    assert version in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    page = (ROOT / "docs/cite.md").read_text(encoding="utf-8")
+    assert page.count(project["version"]) == 2
 
 
 def test_the_drawings_are_what_the_script_draws() -> None:

@@ -7,18 +7,20 @@ import mujoco
 import numpy as np
 import pytest
 
-from twin import registry, sensors, truth
+from twin import sensors
 from twin.env import grounds, reward, starts
 from twin.env.fleet import Axes, Fleet, depth_set_m, governor, lift_rad
 from twin.env.instruments import Instruments
 from twin.env.quantities import powers
 from twin.env.starts import APPROACH_S
-from twin.machine.build import build
-from twin.machine.columns import Recorder
 from twin.machine.geometry import geometry
-from twin.machine.trajectory import Trajectory
 from twin.physics import block
+from twin.pipeline import named as registry
+from twin.simulation.build import build
+from twin.simulation.columns import Recorder
 from twin.streams import concatenate
+from twin.trajectory.trajectory import Trajectory
+from twin.truth import truth
 
 ACTION = np.array([[0.2, 0.5]])
 LEVEL = grounds.lies(0.25)[:1]

@@ -258,7 +258,7 @@ def _is_number(cell):
 
 
 def test_a_run_imports_no_gymnasium():
-    code = "import sys, twin.run, twin.truth; sys.exit('gymnasium' in sys.modules)"
+    code = "import sys, twin.pipeline.run, twin.truth.truth; sys.exit('gymnasium' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

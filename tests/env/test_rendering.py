@@ -8,30 +8,87 @@ import sys
 import gymnasium
 import pytest
 
+from twin.camera import opengl
 from twin.env import IDS
 from twin.env.plough import PloughEnv
+from twin.env.rendering import CAMERAS, Look
+from twin.env.wheel_slip import WheelSlipEnv
 from twin.env.window import Window
+from twin.errors import OutOfRange, UnknownName
 
 PICTURE = """
 import warnings
 warnings.simplefilter("error")
 import gymnasium
+import numpy as np
+env = gymnasium.make(
+    "twin.env:{name}", observation="truth", render_mode="rgb_array", width=320, height=200,
+    camera="{camera}",
+)
+env.reset(seed=0)
 try:
-    for name in ("Plough-v0", "WheelSlip-v0"):
-        env = gymnasium.make(f"twin.env:{name}", observation="truth", render_mode="rgb_array")
-        env.reset(seed=0)
-        picture = env.render()
-        assert picture.shape == (480, 640, 3) and picture.std() > 10.0
-        env.close()
-        many = gymnasium.make_vec(
-            f"twin.env:{name}", num_envs=2, vectorization_mode="vector_entry_point",
-            observation="truth", render_mode="rgb_array",
-        )
-        many.reset(seed=0, options={"soil.preset": "firm"})
-        assert len(many.render()) == 2 and (many.render()[0] == picture).mean() > 0.5
-        many.close()
+    shown = env.render()
 except gymnasium.error.DependencyNotInstalled:
     raise SystemExit(77)
+assert shown.shape == (200, 320, 3) and shown.dtype == np.uint8
+stage = env.unwrapped.screen.staging.stage
+machine = stage.model.geom_bodyid > 0
+groups = stage.model.geom_group[machine].copy()
+stage.model.geom_group[machine] = 5  # which the renderer leaves out
+hidden = env.render()
+stage.model.geom_group[machine] = groups
+differs = np.abs(shown.astype(int) - hidden).max(axis=2) > 8
+assert differs.mean() > 0.05, f"the machine fills {{differs.mean():.1%}} of the picture"
+ground = ~differs
+assert shown[ground].std(axis=0).min() > 5.0, "the ground is one flat colour"
+for _ in range(40):
+    env.step(env.action_space.high)
+later = env.render()
+moved = np.abs(later.astype(int) - shown).max(axis=2) > 8
+assert moved.mean() > 0.02, "it drives and nothing moves"
+again = np.abs(later.astype(int) - hidden).max(axis=2) > 8
+middle = np.argwhere(differs).mean(axis=0) - np.argwhere(again).mean(axis=0)
+assert np.abs(middle).max() < 60, "the camera does not follow"
+env.close()
+"""
+MANY = """
+import gymnasium
+many = gymnasium.make_vec(
+    "twin.env:Plough-v0", num_envs=2, vectorization_mode="vector_entry_point",
+    observation="truth", render_mode="rgb_array", width=160, height=120, camera="top",
+)
+many.reset(seed=0, options={"soil.preset": "firm", "field.cross_slope_deg": 0.0})
+try:
+    first, second = many.render()
+except gymnasium.error.DependencyNotInstalled:
+    raise SystemExit(77)
+assert first.shape == second.shape == (120, 160, 3)
+for picture in (first, second):
+    red = (picture[..., 0] > 120) & (picture[..., 1] < 60)
+    assert red[:, 60:100].any(), "no tractor in the middle"
+many.close()
+"""
+REFUSED = """
+import gymnasium
+env = gymnasium.make("twin.env:{name}", observation="truth", render_mode="rgb_array")
+env.reset(seed=0)
+said = []
+for _ in range(3):
+    try:
+        env.render()
+    except gymnasium.error.DependencyNotInstalled as error:
+        said.append(str(error))
+    env.step(env.action_space.sample())
+assert len(said) == 3 and len(set(said)) == 1 and "\\n" not in said[0], said
+from twin.camera.patch import NoGraphics, PatchRenderer
+from twin.camera.pinhole import Pinhole
+try:
+    PatchRenderer(Pinhole(width_px=64, height_px=64, focal_px=64.0), 1, 0.5)
+except NoGraphics as error:
+    assert "EGL" in str(error)
+else:
+    raise SystemExit("it draws after OpenGL was refused")
+print(said[0])
 """
 WINDOW = """
 import time
@@ -65,11 +122,37 @@ def run(code, command=(), **variables):
 
 
 @pytest.mark.slow
-def test_pictures_show_something():
-    done = run(PICTURE, MUJOCO_GL="egl")
+@pytest.mark.parametrize(
+    ("name", "camera"), [*((name, "follow") for name in IDS), ("Plough-v0", "top")]
+)
+def test_pictures_show_the_machine_on_its_ground_and_follow_it(name, camera):
+    drawn(PICTURE.format(name=name, camera=camera))
+
+
+@pytest.mark.slow
+def test_each_of_many_has_its_picture():
+    drawn(MANY)
+
+
+def drawn(code):
+    done = run(code, MUJOCO_GL="egl")
     if done.returncode == 77:
         pytest.skip("no OpenGL through EGL here")
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "without"), [
+    ("Plough-v0", {"MUJOCO_GL": "glfw", "DISPLAY": ""}),
+    ("WheelSlip-v0", {"MUJOCO_GL": "glfw", "DISPLAY": ""}),
+    ("WheelSlip-v0", {"MUJOCO_GL": "egl", "MUJOCO_EGL_DEVICE_ID": "77"}),
+    ("WheelSlip-v0", {"MUJOCO_GL": "disable"}),
+])  # fmt: skip
+def test_without_opengl_it_says_the_same_each_time_and_goes_on(name, without):
+    done = run(REFUSED.format(name=name), **without)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "needs OpenGL" in done.stdout
+    assert "MUJOCO_GL=egl" in done.stdout
 
 
 @pytest.mark.slow
@@ -84,23 +167,39 @@ def test_a_window_shows_the_tractor_in_its_own_time(name):
 
 
 def test_without_opengl_it_says_what_to_install(monkeypatch):
-    import mujoco
-
     def fails(*args):
         raise RuntimeError("no display")
 
-    monkeypatch.setattr(mujoco, "Renderer", fails)
+    monkeypatch.setattr(opengl, "_open", fails)
+    monkeypatch.setattr(opengl, "_refusals", [])
     env = PloughEnv("truth", render_mode="rgb_array")
     env.reset(seed=0)
-    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"libegl1.*MUJOCO_GL=egl"):
-        env.render()
+    for _ in range(2):
+        match = r"libegl1.*MUJOCO_GL=egl.*no display"
+        with pytest.raises(gymnasium.error.DependencyNotInstalled, match=match):
+            env.render()
     env.step(env.action_space.sample())
 
 
 def test_without_a_display_it_says_what_would_do(monkeypatch):
     import glfw
-    import mujoco
 
     monkeypatch.setattr(glfw, "init", lambda: False)
     with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"no display.*rgb_array"):
-        Window(mujoco.MjModel.from_xml_string("<mujoco/>"))
+        Window(Look("human"), None)
+
+
+@pytest.mark.parametrize("env", [PloughEnv, WheelSlipEnv])
+@pytest.mark.parametrize(
+    ("look", "error"),
+    [({"camera": "moon"}, UnknownName), ({"width": 0}, OutOfRange), ({"height": 9.5}, OutOfRange)],
+)
+def test_a_look_that_cannot_be_is_refused(env, look, error):
+    with pytest.raises(error, match=next(iter(look))):
+        env("truth", **look)
+
+
+def test_the_cameras_are_those_that_can_be_drawn():
+    from twin.viz.stage import VIEWS
+
+    assert set(CAMERAS) == set(VIEWS)

@@ -1,9 +1,9 @@
 """The sensors of the IMA-PKF paper's simulation: 50 Hz, noise as printed, all at one epoch."""
 
 import numpy as np
-import synthetic
 
 from twin.streams import GnssSetup, ImuSetup, Streams, WheelsSetup
+from twin.testing import drives as synthetic
 
 SD = {"gnss": 0.13, "front": 0.10, "rear": 0.11, "accel": 0.06}
 RATE_HZ = 50.0

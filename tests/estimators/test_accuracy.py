@@ -5,8 +5,6 @@ from dataclasses import replace
 import ima_pkf
 import numpy as np
 import pytest
-import synthetic
-from synthetic import Drive
 
 from estimators import REGISTRY
 from estimators.four_state import FourState
@@ -14,7 +12,9 @@ from estimators.four_state_printed import FourStatePrinted
 from estimators.parallel_kf import KF_TUNED, KF_Z2, PKF
 from estimators.ratio import RATIO, RATIO_FRONT
 from estimators.slip_ekf import SLIP_EKF
-from twin import registry
+from twin.pipeline import named as registry
+from twin.testing import drives as synthetic
+from twin.testing.drives import Drive
 
 SETUP = synthetic.setup()
 PRINTED = replace(

@@ -4,12 +4,12 @@ import dataclasses
 
 import numpy as np
 import pytest
-import synthetic
 
 from estimators.bounds import bound
 from estimators.riccati import System, steady, through
 from estimators.slip_ekf import SLIP_EKF
 from twin.streams import Streams
+from twin.testing import drives as synthetic
 
 Q, R = 1e-4, 0.04
 WALK = System(

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import synthetic
 from scipy.stats import chi2
 
 from estimators.four_state import FourState, white_jerk
@@ -13,6 +12,7 @@ from estimators.parallel_kf import KF_TUNED, KF_Z2
 from estimators.ratio import RATIO, RATIO_FRONT
 from estimators.slip_ekf import SLIP_EKF
 from twin.streams import ImuSetup, Streams
+from twin.testing import drives as synthetic
 
 IMU = ImuSetup(
     rate_hz=50.0,

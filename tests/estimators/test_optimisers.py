@@ -11,7 +11,7 @@ from scipy.stats import qmc
 from estimators.optimisers import NAMES, chance, mayfly
 from estimators.optimisers.improved_mayfly import good_point_set
 from estimators.optimisers.opposition import ETA_MAX, ETA_MIN, lens_image, next_chaos, scale
-from twin.compiled import compiled
+from twin.compute.compiled import compiled
 
 MINIMISERS = {n: importlib.import_module(f"estimators.optimisers.{n}").minimise for n in NAMES}
 COMPILED = {n: m for n, m in MINIMISERS.items() if n != "comparator"}

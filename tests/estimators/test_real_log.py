@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from twin import logcheck, logs
-from twin.registry import load
+from twin import logs
+from twin.pipeline import log_check as logcheck
+from twin.pipeline.named import load
 from twin.streams import Streams
 
 ROOT = Path(__file__).parents[2]

@@ -3,10 +3,10 @@
 import dataclasses
 
 import numpy as np
-import synthetic
 
 from estimators.slip_ekf import SLIP_EKF
 from twin.streams import CameraSetup, Streams
+from twin.testing import drives as synthetic
 
 CAMERA = CameraSetup(
     rate_hz=30.0,

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from synthetic import Drive, seconds, setup, streams
 
 from estimators.slip_ekf import SLIP_EKF
 from estimators.slip_ekf.driven import lifted
 from estimators.slip_ekf.layout import MEMORY
 from twin.streams import Streams
+from twin.testing.drives import Drive, seconds, setup, streams
 
 NOMINAL = np.zeros(1, [("driven", "f8", 4)])
 NOMINAL["driven"] = 0.0, 0.0, 1.0, 1.0

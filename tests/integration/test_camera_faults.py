@@ -10,9 +10,9 @@ pytest.importorskip("cv2")
 
 from estimators.odometry.lens import Reason
 from scenarios.faults import ON_SLOPE, SLOPE_S, SLOPE_START_S
-from twin import scores
-from twin.registry import load
-from twin.run import run
+from twin.pipeline.named import load
+from twin.pipeline.run import run
+from twin.scores import scores
 
 pytestmark = pytest.mark.slow
 REASONS = {

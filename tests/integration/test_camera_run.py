@@ -10,12 +10,12 @@ pytest.importorskip("cv2")
 from twin import sensors
 from twin.camera.frames import SavedFrames
 from twin.errors import OutOfRange, UnknownName
-from twin.machine import calibration
-from twin.machine.build import build
-from twin.registry import load
-from twin.run import run
+from twin.pipeline.named import load
+from twin.pipeline.run import run
 from twin.scenario import Course
 from twin.sensors import Camera
+from twin.simulation import calibration
+from twin.simulation.build import build
 from twin.streams import Setup, check
 
 NAMED = load("scenario", "slope-9-dry")

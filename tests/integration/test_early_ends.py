@@ -8,10 +8,10 @@ import pytest
 
 from scenarios.plough import CM_25
 from scenarios.slope import DRY_9
-from tests.machine.rigs import BARE
+from tests.simulation.rigs import BARE
 from twin import cli
 from twin.commands.run import Options, execute
-from twin.run import run
+from twin.pipeline.run import run
 from twin.scenario import Course, Field, Patch
 
 BOG = Patch(start_m=45.0, length_m=100.0, friction_factor=0.1)

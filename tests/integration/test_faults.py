@@ -12,13 +12,15 @@ from scenarios.faults import (
     START_S,
     TOGETHER_LARGEST,
 )
-from twin import scores, sensors, truth
-from twin.machine.build import build
+from twin import sensors
 from twin.machine.geometry import geometry
-from twin.machine.simulate import simulate
-from twin.registry import load
+from twin.pipeline.named import load
+from twin.scores import scores
 from twin.sensors import Sensors
+from twin.simulation.build import build
+from twin.simulation.simulate import simulate
 from twin.streams import concatenate
+from twin.truth import truth
 
 pytestmark = pytest.mark.slow
 LARGEST = {kind: largest for kind, (_, largest, _) in EXPECTED.items()} | {"all": TOGETHER_LARGEST}

@@ -15,30 +15,16 @@ import numpy as np
 import pytest
 
 from twin.errors import TwinError
-from twin.machine.build import build
-from twin.machine.guard import Diverged
-from twin.machine.simulate import simulate
-from twin.scenario import (
-    CONE_INDICES_KPA,
-    DEFORMABLE_RANGES,
-    FRICTIONS,
-    FURROW_SIDES,
-    HITCH_MODES,
-    LEAST_APPROACH_M,
-    MACHINES,
-    MOST_PATCHES,
-    NEEDED,
-    ROUGHNESS,
-    STEPS_S,
-    Course,
-    Drive,
-    Field,
-    Patch,
-    Plough,
-    Scenario,
-    Soil,
-)
-from twin.soils import LAWS, PRESETS
+from twin.scenario import MACHINES, Course, Drive, Field, Patch, Plough, Scenario, Soil
+from twin.scenario.course import LEAST_APPROACH_M
+from twin.scenario.field import MOST_PATCHES, ROUGHNESS
+from twin.scenario.plough import FURROW_SIDES, HITCH_MODES
+from twin.scenario.scenario import STEPS_S
+from twin.scenario.soil import CONE_INDICES_KPA, DEFORMABLE_RANGES, FRICTIONS, NEEDED
+from twin.scenario.soils import LAWS, PRESETS
+from twin.simulation.build import build
+from twin.simulation.guard import Diverged
+from twin.simulation.simulate import simulate
 
 COUNT = int(os.environ.get("RANDOM_SCENARIOS", "20"))
 SEED = int(os.environ.get("RANDOM_SEED", "0"))

@@ -1,8 +1,8 @@
-"""As tests/machine/test_closure.py, over the scenarios that take longer."""
+"""As tests/simulation/test_closure.py, over the scenarios that take longer."""
 
 from joblib import Parallel, delayed
 
-from tests.machine.closure import balance_of, drawn
+from tests.simulation.closure import balance_of, drawn
 
 COUNT = 2000
 

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from tests.machine.hitch_rows import NAMES, hitch_row
+from tests.simulation.hitch_rows import NAMES, hitch_row
 from twin.scenario import Course, Plough, Scenario, Soil
 
 LAWS, DRAFTS, SEEDS = ("brixius", "bekker"), (0.7, 1.0, 1.3), range(8)

@@ -1,6 +1,6 @@
-"""As tests/machine/test_passivity.py, with the kicks that take longer."""
+"""As tests/simulation/test_passivity.py, with the kicks that take longer."""
 
-from tests.machine.kicks import worst
+from tests.simulation.kicks import worst
 
 
 def test_500_kicked_machines_never_gain_energy():

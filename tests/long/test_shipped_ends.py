@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import pytest
 
-from twin import registry
-from twin.machine.build import build
-from twin.machine.ends import Outcome
-from twin.machine.simulate import simulate
+from twin.pipeline import named as registry
 from twin.scenario import Scenario
 from twin.sensors import Sensors
+from twin.simulation.build import build
+from twin.simulation.simulate import simulate
+from twin.trajectory.end import Outcome
 
 SCENARIOS = {name: registry.load("scenario", name) for name in registry.names("scenario")}
 

@@ -12,8 +12,8 @@ ROOT = Path(__file__).parents[2]
 PROGRAM = """
 from dataclasses import replace
 import numpy as np
-from twin.registry import load
-from twin.run import run
+from twin.pipeline.named import load
+from twin.pipeline.run import run
 scenario = load("scenario", "slope-9-dry")
 short = replace(scenario, course=replace(scenario.course, length_m=4.0, calibration_m=5.0))
 names = ("ratio", "four-state", "sideslip-ekf")

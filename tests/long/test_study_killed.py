@@ -9,7 +9,7 @@ import time
 import numpy as np
 import pyarrow.parquet as pq
 
-from twin.study import plan, read, work
+from twin.studies import plan, read, work
 
 
 def test_killed_three_times_at_random_moments_it_gives_the_same_table(tmp_path):

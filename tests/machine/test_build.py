@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.machine.rigs import BARE, PLOUGHING, bare_rig, field, plough_rig, replace
-from twin.machine.build import build
+from tests.simulation.rigs import BARE, PLOUGHING, bare_rig, field, plough_rig, replace
 from twin.machine.ground_frame import quaternion, world_from_ground
 from twin.physics import block
 from twin.physics.block import WheelSlot
 from twin.scenario import Course, Field, Patch
+from twin.simulation.build import build
 
 
 def stand(machine, seconds=3.0):

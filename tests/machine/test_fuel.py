@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from twin.machine.build import build
 from twin.machine.fuel import fuel_lph
-from twin.machine.simulate import simulate
 from twin.scenario import Course, Drive, Scenario, Soil
+from twin.simulation.build import build
+from twin.simulation.simulate import simulate
 
 RATED_RADPS = 2200.0 * np.pi / 30.0
 NUMBERS = {

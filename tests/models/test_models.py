@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 
 from scenarios.plough import CM_25
-from twin.machine.build import Machine, build
+from twin.machine.build import Machine
 from twin.machine.start import RAISED_RAD
 from twin.physics import block
 from twin.physics.block import MachineSlot, WheelSlot
 from twin.scenario import Field, Plough
+from twin.simulation.build import build
 
 MODELS = Path(__file__).parents[2] / "models"
 SCENES = sorted(MODELS.glob("*/scene.xml"))

@@ -8,10 +8,10 @@ from mujoco.batch import Batch
 from numba import types
 from numba.extending import intrinsic
 
-from tests.machine.rigs import PLOUGHING, bare_rig, plough_rig, set_controls, soiled, start
+from tests.simulation.rigs import PLOUGHING, bare_rig, plough_rig, set_controls, soiled, start
 from twin.errors import BadInput
-from twin.machine.build import build
 from twin.physics import block, callback
+from twin.simulation.build import build
 
 INTEGRATION = mujoco.mjtState.mjSTATE_INTEGRATION
 FOREIGN = """<mujoco><option timestep="0.002"/>{size}<custom>{numeric}</custom><worldbody>

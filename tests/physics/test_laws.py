@@ -20,7 +20,7 @@ from twin.physics.validity import outside_validity
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import wheel as rig_wheel
 from twin.scenario import Soil as Ground
-from twin.soils import MEASURED, PRESETS
+from twin.scenario.soils import MEASURED, PRESETS
 
 GUIDE = Path(__file__).parents[2] / "docs" / "writing-a-soil-law.md"
 POINTS = [(21.7e3, s, a) for s in (-0.3, 0.0, 0.1, 0.6) for a in (-0.2, 0.0)]
@@ -68,6 +68,12 @@ def test_the_guides_law_is_a_file_of_twenty_lines_and_runs(module):
     assert resistance / 21.7e3 == pytest.approx(1.2 / cn + 0.04)
     assert (y, rolling) == (0.0, 0.0)
     assert soil_forces(ground, wheel(), 21.7e3, 0.0, 0.0)[:2] == (0.0, 0.0)
+
+
+def test_a_law_that_writes_to_the_models_soil_is_refused(module):
+    text = TINY.format(gain=1.0).replace("    return", "    soil[1] = 0.0\n    return")
+    with pytest.raises(BadInput, match=r"'writes:pushes' cannot be.*writes to the soil.*copy\(\)"):
+        law_number(module("writes", text) + ":pushes")
 
 
 def test_a_users_law_runs_inside_the_step(module):

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from tests.machine.rigs import plough_rig
+from tests.simulation.rigs import plough_rig
 from twin.physics import callback, layout
 
 

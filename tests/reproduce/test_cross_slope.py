@@ -5,7 +5,8 @@ import pytest
 
 pytest.importorskip("cv2")
 
-from twin.registry import load
+from twin.pipeline.named import load
+from twin.pipeline.run import run
 from twin.reproduce import cross_slope, cross_slope_trial
 from twin.reproduce.cross_slope import (
     CELLS,
@@ -18,7 +19,6 @@ from twin.reproduce.cross_slope import (
     total_rows,
 )
 from twin.reproduce.cross_slope_trial import Estimate, Trial
-from twin.run import run
 
 
 def made(slope, soil, error_m=0.002, sd_m=0.002):

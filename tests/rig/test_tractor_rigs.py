@@ -7,7 +7,6 @@ import pytest
 from scipy.optimize import brentq
 
 from twin.errors import BadInput, OutOfRange
-from twin.machine.build import build
 from twin.machine.fuel import fuel_lph
 from twin.rig.drawbar import drawbar, expected_pull_n
 from twin.rig.gears import gears
@@ -15,6 +14,7 @@ from twin.rig.park import park
 from twin.rig.slope import NoBalance, expected, slope
 from twin.rig.tractor import statics
 from twin.scenario import Drive, Scenario, Soil
+from twin.simulation.build import build
 
 SLIPS = np.array([0.05, 0.10, 0.15, 0.20, 0.25, 0.30])
 

@@ -7,10 +7,10 @@ from tests.sensors.trajectories import collect, drive, pieces, same
 from twin.camera.frames import SavedFrames, save
 from twin.camera.pinhole import rotation
 from twin.errors import BadInput, OutOfRange
-from twin.machine.trajectory import Trajectory
 from twin.sensors import camera
 from twin.sensors.camera import Camera, body_from_camera, drawn, film, stream
 from twin.streams import Streams, check, concatenate
+from twin.trajectory.trajectory import Trajectory
 
 SMALL = Camera(width_px=160, height_px=100)
 TRUE = replace(SMALL, mount_yaw_sd_rad=0.0, mount_tilt_sd_rad=0.0)

@@ -5,10 +5,10 @@ import pytest
 
 from tests.sensors.trajectories import drive, pieces
 from twin.errors import TwinError
-from twin.machine.trajectory import Trajectory
 from twin.sensors import Camera, Fault, Sensors, suite
 from twin.sensors.faults import KINDS
 from twin.streams import concatenate
+from twin.trajectory.trajectory import Trajectory
 
 START_S, LENGTH_S = 0.8, 0.5
 

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from tests.sensors.trajectories import drive, pieces
-from twin.machine.trajectory import Trajectory
 from twin.sensors.sampling import arrivals, average, averager, read, reader
+from twin.trajectory.trajectory import Trajectory
 
 
 def ramp(n=501, step_ns=2_000_000, start_ns=0):

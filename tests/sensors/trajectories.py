@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from twin.machine.trajectory import Trajectory
+from twin.trajectory.trajectory import Trajectory
 
 STEP_NS = 2_000_000
 MAIN_M = np.array([0.5, 0.5, 2.8])

@@ -6,11 +6,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from tests.machine.rigs import BARE, driven
+from tests.simulation.rigs import BARE, driven
 from twin.errors import BadInput
-from twin.machine.build import build
 from twin.physics import block
 from twin.scenario import Course, Field, Soil
+from twin.simulation.build import build
 from twin.terrain.maps import ground_maps
 
 FLAT = Field(roughness_class="smooth")

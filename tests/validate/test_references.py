@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from twin.soils import PRESETS
+from twin.scenario.soils import PRESETS
 from twin.validate.arc import Arc
 from twin.validate.brixius_forms import KINDS, free_wheel, gross, resistance, stiffness
 from twin.validate.handling import Bicycle

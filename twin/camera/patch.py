@@ -3,16 +3,31 @@
 from __future__ import annotations
 
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.camera.ground import SIDE, ground, patch
+from twin.camera.opengl import NoGraphics, opened
 from twin.camera.pinhole import Array, Pinhole, View, exposed, ground_points, rotation
 from twin.camera.planar import SUBFRAME_PX
 from twin.camera.soil_texture import TILE
-from twin.errors import OutOfRange, TwinError
+from twin.errors import OutOfRange
+
+if TYPE_CHECKING:
+    import mujoco
+
+
+class Context(Protocol):
+    """A graphics context of MuJoCo's."""
+
+    def make_current(self) -> None:
+        """Draw here from now on."""
+
+    def free(self) -> None:
+        """Let go of it."""
+
 
 _GL_FROM_CV = np.diag([1.0, -1.0, -1.0])
 _MODEL = """
@@ -34,10 +49,6 @@ _MODEL = """
   </worldbody>
 </mujoco>
 """
-
-
-class NoGraphics(TwinError):
-    """The off-screen renderer has no graphics driver to draw with."""
 
 
 class PatchRenderer:
@@ -72,11 +83,8 @@ class PatchRenderer:
         )
         self.model = mujoco.MjModel.from_xml_string(text)
         self.state = mujoco.MjData(self.model)
-        self.driver = _driver(lens)
-        self.driver.make_current()
+        self.driver, self.canvas = _opened(self.model, lens)
         self.scene = mujoco.MjvScene(self.model, maxgeom=10)
-        self.canvas = mujoco.MjrContext(self.model, mujoco.mjtFontScale.mjFONTSCALE_100)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self.canvas)
         self.eye = mujoco.MjvCamera()
         self.eye.type, self.eye.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, 0
 
@@ -146,13 +154,22 @@ class PatchRenderer:
             raise OutOfRange("picture", f"{out_m:.2f} m beyond", "the patch that is drawn")
 
 
-def _driver(lens: Pinhole) -> Any:
-    """An EGL context of the picture's size, whatever MUJOCO_GL says. Raises NoGraphics."""
-    try:
+def _opened(model: mujoco.MjModel, lens: Pinhole) -> tuple[Context, mujoco.MjrContext]:
+    """An EGL driver of the picture's size, whatever MUJOCO_GL says, and its canvas."""
+
+    def make() -> tuple[Context, mujoco.MjrContext]:
+        import mujoco
         from mujoco.egl import GLContext
 
-        return GLContext(lens.width_px, lens.height_px)
-    except Exception as error:  # each platform fails in a way of its own
+        driver = GLContext(lens.width_px, lens.height_px)
+        driver.make_current()
+        canvas = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, canvas)
+        return driver, canvas
+
+    try:
+        return opened(make)
+    except NoGraphics as error:
         raise NoGraphics(
             "the off-screen renderer needs an EGL driver; on Debian: apt install libegl1 "
             f"libgl1-mesa-dri, with MUJOCO_GL unset or egl ({error})"

@@ -22,7 +22,7 @@ def main(args: Sequence[str]) -> int:
     """Measure, print, and write the rows where asked."""
     options = parse(Bench, args, prog="twin bench")
     check_files(json=options.json)
-    from twin import bench
+    from twin.bench import bench
 
     with waiting("measuring", shown=options.talks):
         measured = bench.rows()

@@ -4,30 +4,21 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import tyro
 
 from twin.commands.parse import parse
-from twin.commands.run import DEFAULT_ESTIMATORS, load_estimators
-from twin.commands.terminal import Stopwatch, console, counting, print_scores
+from twin.commands.run import DEFAULT_ESTIMATORS, load_estimators, status
+from twin.commands.terminal import console, counting, print_scores
 from twin.errors import BadInput
-from twin.table import slip_lines
+from twin.scores.table import slip_lines
 
 if TYPE_CHECKING:
-    from twin.logcheck import SteadySlip
-    from twin.logs import Log
-    from twin.runfolder import Record, RunLike
-    from twin.streams import Table
-
-
-MOVING_MPS = 0.5
-"""Slip below this speed says nothing and is left out of the summary [m/s]."""
+    from twin.pipeline.result import Result
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +29,8 @@ class Estimate:
     """The log."""
     map: Path | None = None
     """TOML that says which column is what, and in which unit."""
+    reader: str | None = None
+    """What reads it, csv, parquet, nmea or run-folder, or module:Name of your own."""
     out: Path | None = None
     """Folder to write; runs/<name of the log> by default."""
     estimators: str = DEFAULT_ESTIMATORS
@@ -53,150 +46,36 @@ class Estimate:
 def main(args: Sequence[str]) -> int:
     """Read a log, run the estimators, write the folder, print what they say."""
     options = parse(Estimate, args, prog="twin estimate")
-    from twin import logs, runfolder
+    from twin.io import run_folder
 
     directory = options.out or Path("runs") / options.log.resolve().stem
     if directory.resolve() == options.log.resolve():
         raise BadInput(f"--out {directory} is the log itself; choose another folder")
-    runfolder.refuse_foreign(directory)
+    run_folder.refuse_foreign(directory)
     estimators = load_estimators(options.estimators)
-    log, steady = _prepared(logs.read(options.log, options.map))
+    from twin import logs
+    from twin.pipeline.log import estimate
+
+    reader = None if options.reader is None else logs.reader(options.reader)
     shown = not (options.quiet or options.json)
     with counting("estimating", "estimators", shown=shown) as told:
-        record = estimated(log, estimators, reference=_reference(log, options.log), told=told)
-    table = findings(record, options.log.stem, log, steady)
-    runfolder.write(
-        record, table, directory, pictures=_pictures(f"twin estimate {shlex.join(args)}")
-    )
-    _say(table, directory, options)
+        result = estimate(options.log, options.map, estimators=estimators, reader=reader, told=told)
+    result.save(directory, command=f"twin estimate {shlex.join(args)}")
+    _say(result, directory, options)
     if options.view:
         from twin import viz
 
         viz.view(directory / "run.rrd")
-    return 0
+    return status(result)
 
 
-def estimated(
-    log: Log,
-    estimators: Mapping[str, Any],
-    *,
-    reference: Table | None = None,
-    told: Callable[[int, int], None] = lambda done, total: None,
-) -> Record:
-    """The estimates of every estimator over the whole log."""
-    from twin import estimating
-    from twin.runfolder import Record
-
-    watch = Stopwatch()
-    estimates = {}
-    for done, (name, estimator) in enumerate(estimators.items()):
-        told(done, len(estimators))
-        estimates[name] = estimating.estimates(name, estimator, log.setup, log.streams)
-    return Record(
-        setup=log.setup,
-        streams=log.streams,
-        truth=reference,
-        estimates=estimates,
-        wall_s=watch.seconds(),
-    )
-
-
-def findings(record: Record, name: str, log: Log, steady: SteadySlip | None) -> dict[str, Any]:
-    """Scores where the log has a reference, the slip of each estimator, steady work and notes."""
-    from twin import scores
-
-    table = scores.score(record.truth, record.estimates, scenario=name, seed=None)
-    table["slip"] = {n: slip_summary(t) for n, t in record.estimates.items()}
-    if steady is not None:
-        table["steady_slip"] = {n: steady_summary(log, t) for n, t in record.estimates.items()}
-    table["notes"] = list(log.notes)
-    if steady is not None:
-        table["steady"] = {
-            "slip_median": steady.median, "slip_low": steady.low, "slip_high": steady.high,
-            "n": steady.n, "rule": steady.rule, "scale": steady.scale.scale,
-            "scale_low": steady.scale.low, "scale_high": steady.scale.high,
-            "scale_n": steady.scale.n, "scale_rule": steady.scale.rule,
-            "lag_s": _known(steady.lag_s),
-        }  # fmt: skip
-    return table
-
-
-def slip_summary(estimates: Table) -> dict[str, float | int | None]:
-    """Median, 5 % and 95 % of the estimated slip while driving faster than 0.5 m/s."""
-    slip = np.asarray(estimates.get("slip", np.empty(0)), np.float64)
-    speed = np.asarray(estimates.get("speed_mps", np.full(len(slip), np.inf)), np.float64)
-    return _quantiles(slip[np.abs(speed) > MOVING_MPS])
-
-
-def steady_summary(log: Log, estimates: Table) -> dict[str, float | int | None]:
-    """The same over the rows of steady work, as the map's rule chooses them."""
-    from twin import logs, scores
-
-    _, wheel_mps = logs.paired_speeds(log.streams)
-    epoch_ns = log.streams["wheels"]["epoch_ns"]
-    chosen = logs.choose(log.rules["steady"], log.rows, epoch_ns, wheel_mps)
-    if "slip" not in estimates or not len(estimates["epoch_ns"]):
-        return _quantiles(np.empty(0))
-    return _quantiles(scores.at(estimates, "slip", epoch_ns[chosen]))
-
-
-def _quantiles(slip: np.ndarray[Any, Any]) -> dict[str, float | int | None]:
-    known = slip[np.isfinite(slip)]
-    if not len(known):
-        return {"median": None, "p05": None, "p95": None, "n": 0}
-    p05, median, p95 = (float(q) for q in np.quantile(known, (0.05, 0.5, 0.95)))
-    return {"median": median, "p05": p05, "p95": p95, "n": len(known)}
-
-
-def _prepared(log: Log) -> tuple[Log, SteadySlip | None]:
-    """The log with wheel speeds scaled to zero slip where its map gives the rules."""
-    from twin import logcheck
-
-    if "zero_slip" not in log.rules:
-        return log, None
-    scaled = logcheck.scaled(log, logcheck.log_scale(log).scale)
-    return scaled, logcheck.steady_slip(log) if "steady" in log.rules else None
-
-
-def _reference(log: Log, path: Path) -> Table | None:
-    """The log's own reference; for a run folder, its truth."""
-    from twin import runfolder
-
-    truth = path / runfolder.TRUTH
-    if log.reference is None and path.is_dir() and truth.exists():
-        return runfolder.read_parquet(truth)
-    return log.reference
-
-
-def _pictures(command: str) -> Mapping[str, Any]:
-    from twin import report
-
-    return {"report.html": partial(report.write, command=command), "run.rrd": _record}
-
-
-def _record(run: RunLike, scores: Mapping[str, Any], path: Path) -> None:
-    from twin import viz
-
-    viz.log(
-        path,
-        streams=run.streams,
-        setup=run.setup,
-        estimates=run.estimates,
-        reference=run.truth,
-        notes=scores["notes"],
-    )
-
-
-def _known(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
-
-
-def _say(table: Mapping[str, Any], directory: Path, options: Estimate) -> None:
+def _say(result: Result, directory: Path, options: Estimate) -> None:
     if options.json:
-        print(json.dumps(table, indent=2))
+        print(json.dumps(result.scores, indent=2))
     elif not options.quiet:
         out = console()
-        print_scores(table)
-        notes = [f"note: {note}" for note in table["notes"]]
-        for line in (*slip_lines(table), *notes, f"{directory}/report.html, {directory}/run.rrd"):
+        print_scores(result.scores)
+        notes = [f"note: {note}" for note in result.notes]
+        files = f"{directory}/report.html, {directory}/run.rrd"
+        for line in (*slip_lines(result.scores), *notes, files):
             out.print(line, highlight=False, markup=False)

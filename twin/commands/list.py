@@ -42,7 +42,7 @@ def everything() -> dict[str, dict[str, str]]:
     import estimators
     import scenarios
     from twin.scenario import MACHINES
-    from twin.soils import PRESETS
+    from twin.scenario.soils import PRESETS
 
     return {
         "scenarios": {n: _scenario_about(n) for n in scenarios.REGISTRY},
@@ -58,7 +58,7 @@ def described(registry: Mapping[str, str]) -> dict[str, str]:
 
 
 def _scenario_about(name: str) -> str:
-    from twin import registry
+    from twin.pipeline import named as registry
 
     return str(registry.load("scenario", name).about)
 

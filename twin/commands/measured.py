@@ -11,7 +11,7 @@ from typing import Any
 
 from twin.commands.terminal import console
 from twin.errors import BadInput
-from twin.written import moved_when_complete
+from twin.io.atomic import moved_when_complete
 
 Columns = Mapping[str, Any]
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from twin import rows as rows_file
 from twin.errors import BadInput
+from twin.io import result_rows as rows_file
 
 STDOUT = Path("-")
 """What `--json` means where it names no file."""

@@ -45,7 +45,7 @@ def main(args: Sequence[str]) -> int:
     options = parse(Reproduce, args[1:], prog=f"twin reproduce {args[0]}")
     check_range("trials", options.trials, 1, 10000)
     check_files(json=options.json, report=options.report)
-    from twin.many import telling
+    from twin.compute.parallel import telling
 
     module, _, function = REGISTRY[args[0]].partition(":")
     if options.talks:

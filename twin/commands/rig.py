@@ -286,7 +286,7 @@ BRIXIUS_ALONE = ("radial", "tyre.deflection_ratio")
 
 def _refuse_unread(options: Any, named: Collection[str]) -> None:
     """Refuse what is set of the soil or the tyre that the rig would not read."""
-    from twin.unread import refuse_unread
+    from twin.pipeline.unread import refuse_unread
 
     soil: Soil = options.soil
     refuse_unread(Scenario(name="rig", soil=soil), named, EVEN)

@@ -5,23 +5,24 @@ from __future__ import annotations
 import dataclasses
 import json
 import shlex
-from collections.abc import Collection, Mapping, Sequence
+import sys
+from collections.abc import Collection, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import tyro
 
-from twin import registry
 from twin.commands.parse import named_fields, parse
 from twin.commands.terminal import console, print_scores, progress
 from twin.errors import BadInput
-from twin.written import moved_when_complete
+from twin.io.atomic import moved_when_complete
+from twin.pipeline import named as registry
 
 if TYPE_CHECKING:
-    from twin.run import Run
+    from twin.pipeline.result import Result
 
 DEFAULT_ESTIMATORS = "ratio,four-state"
 
@@ -53,52 +54,45 @@ def main(args: Sequence[str]) -> int:
     options = parse(_with_overrides(default), rest, prog=f"twin run {name}")
     scenario: Any = options.scenario  # type: ignore[attr-defined]
     command = f"twin run {shlex.join(args)}"
-    directory = execute(scenario, options, command, named_fields(rest))
+    result, directory = execute(scenario, options, command, named_fields(rest))
     if options.view:
         from twin import viz
 
         viz.view(directory / "run.rrd")
-    return 0
+    return status(result)
 
 
 def execute(
     scenario: Any, options: Options, command: str = "", named: Collection[str] = ()
-) -> Path:
-    """Run one scenario and write its folder, whose report says the command; returns the folder.
+) -> tuple[Result, Path]:
+    """Run one scenario and write its folder, whose report says the command; both are returned.
 
     `named` are the fields that the user gave: those the run would not read are refused.
     """
-    from twin import runfolder, scores
-    from twin.unread import refuse_unread
+    from twin.io import run_folder
+    from twin.pipeline.unread import refuse_unread
 
-    directory = options.out or runfolder.default_directory(scenario.name, scenario.seed)
-    runfolder.refuse_foreign(directory)  # before the work, not after it
+    directory = options.out or run_folder.default_directory(scenario.name, scenario.seed)
+    run_folder.refuse_foreign(directory)  # before the work, not after it
     scenario = _masked(scenario, options.mask)
     refuse_unread(scenario, named)
     _check_frames(scenario, options.frames)
     estimators = load_estimators(options.estimators)
-    from twin.commands.limits import limits
-    from twin.run import run  # heavy, so only once the input is known to be good
+    from twin.pipeline.run import run  # heavy, so only once the input is known to be good
 
     shown = not (options.quiet or options.json)
     with progress(scenario.name, shown=shown) as told, _pngs(options.frames) as frames:
         result = run(scenario, estimators=estimators, progress=told, frames=frames)
-    unscored = scores.why_unscored(result.truth, scenario, result.end)
-    scored = result.truth if unscored is None else None
-    window = scores.scored_window_s(result.truth, scenario)
-    table = scores.score(
-        scored, result.estimates, scenario=scenario.name, seed=scenario.seed, window=window
-    )
-    table |= {
-        "bound": None if scored is None else limits(result.setup, result.streams, scored, window),
-        "ended": result.ended,
-        "end": None if result.end is None else result.end.plain(),
-        "unscored": unscored,
-        "notes": list(result.notes),
-    }
-    runfolder.write(result, table, directory, pictures=_pictures(command))
-    _say(result, table, directory, options)
-    return directory
+    result.save(directory, command=command)
+    _say(result, directory, options)
+    return result, directory
+
+
+def status(result: Result) -> int:
+    """Exit status: 1 where an estimator failed, which is told on stderr too."""
+    for why in result.failed.values():
+        print(f"twin: {why}; its estimates are NaN", file=sys.stderr)
+    return 1 if result.failed else 0
 
 
 def _masked(scenario: Any, mask: tuple[float, float] | None) -> Any:
@@ -162,20 +156,13 @@ def _with_overrides(default: Any) -> type[Options]:
     )
 
 
-def _pictures(command: str) -> Mapping[str, Any]:
-    from twin import report
-    from twin.commands.pictures import record
-
-    return {"report.html": partial(report.write, command=command), "run.rrd": record}
-
-
-def _say(result: Run, table: Mapping[str, Any], directory: Path, options: Options) -> None:
+def _say(result: Result, directory: Path, options: Options) -> None:
     if options.json:
-        print(json.dumps(table, indent=2))
+        print(json.dumps(result.scores, indent=2))
     elif not options.quiet:
-        print_scores(table)
+        print_scores(result.scores)
         for note in result.notes:
             console().print(f"note: {note}", style="dim", highlight=False)
-        simulated_s = float(result.truth["epoch_ns"][-1] - result.truth["epoch_ns"][0]) * 1e-9
+        simulated_s = float(np.ptp(result.truth["epoch_ns"])) * 1e-9
         pace = f"{simulated_s:.0f} s driven in {result.wall_s:.1f} s" if result.wall_s else ""
         console().print(f"{pace}; {directory}/report.html, {directory}/run.rrd", highlight=False)

@@ -13,17 +13,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from twin import registry
-from twin import rows as rows_file
 from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
 from twin.commands.terminal import console, progress
 from twin.errors import BadInput, check_range
+from twin.pipeline import named as registry
+from twin.studies.study import PARTS, PLAN, SUMMARY, TABLE, begin, finished
 
 if TYPE_CHECKING:
-    from twin.study.summary import Group
+    from twin.studies.study import Study as Done
+    from twin.studies.summary import Group
 
-PARTS, TABLE, SUMMARY, PLAN = "parts", "table.parquet", "summary.json", "study.json"
 REPORT = "report.html"
 INTERRUPTED = 130
 SHOWN = {
@@ -79,7 +79,7 @@ def main(args: Sequence[str]) -> int:
     if options.jobs == 0:
         raise BadInput("jobs = 0 would do nothing; 1, or -1 for as many as the backend has")
     check_files(json=options.json)
-    from twin import study
+    from twin import studies as study
 
     estimators = _listed("--estimators", options.estimators)
     if options.against is not None and options.against not in estimators:
@@ -92,7 +92,7 @@ def main(args: Sequence[str]) -> int:
             console().print(f"left out: {text}", style="dim", highlight=False, markup=False)
     plain = "+".join(re.sub(r"[:/\\]+", "-", name).strip("-") for name in names)
     folder = options.out or Path("studies") / plain
-    _begin(folder, args)
+    begin(folder, list(args))
     try:
         with progress(f"{len(cases)} runs", shown=options.talks) as told:
             _work(cases, folder, options, told)
@@ -112,7 +112,7 @@ def read_sweeps(given: Sequence[str], scenario: Any) -> dict[str, tuple[Any, ...
         BadInput: no FIELD=VALUES, a field given twice, or a value the field cannot have.
         UnknownName: no such field.
     """
-    from twin.study import fields
+    from twin.scenario import fields
 
     found: dict[str, tuple[Any, ...]] = {}
     for text in given:
@@ -153,20 +153,8 @@ def _split(args: Sequence[str]) -> tuple[list[str], Sequence[str]]:
     return _listed("twin study", args[0]), args[1:]
 
 
-def _begin(folder: Path, args: Sequence[str]) -> None:
-    """Make the folder, or see that it is a study's, and write down what was asked."""
-    ours = (folder / PLAN).exists() or not folder.exists() or not any(folder.iterdir())
-    if not ours:
-        raise BadInput(f"{folder} exists and is not a study's folder; choose another --out")
-    try:
-        (folder / PARTS).mkdir(parents=True, exist_ok=True)
-        (folder / PLAN).write_text(json.dumps({"twin study": list(args)}) + "\n")
-    except OSError as error:
-        raise BadInput(f"{folder} cannot be written: {error.strerror}") from None
-
-
 def _work(cases: Sequence[Any], folder: Path, options: Study, told: Any) -> None:
-    from twin import study
+    from twin import studies as study
 
     if options.retry_failed:
         for path in study.failed(cases, folder / PARTS):
@@ -183,56 +171,43 @@ def _work(cases: Sequence[Any], folder: Path, options: Study, told: Any) -> None
 
 
 def _finish(cases: Sequence[Any], folder: Path, swept: list[str], options: Study) -> None:
-    from twin import study
-
-    table = study.read(cases, folder / PARTS)
-    study.write_table(table, folder / TABLE)
-    rows = table.to_pylist()
-    groups = study.groups(rows, swept)
-    summary = study.rows(groups, study.quantities(rows, swept), options.against)
-    rows_file.write(summary, folder / SUMMARY)
-    deliver(summary, options.json)
-    early = study.early_ends(rows, swept)
-    drawn = [*_draw(groups, folder), *_report(summary, folder, len(cases), options.against, early)]
-    if options.talks:
-        print_means(groups)
-        failed = [row for row in rows if row["error"] is not None]
-        for text in dict.fromkeys(
-            f"{r['scenario']}, {r['estimator']}: {r['error']}" for r in failed
-        ):
-            console().print(f"failed: {text}", style="dim", highlight=False, markup=False)
-        for text in early[:EARLY_SHOWN]:
-            console().print(f"not driven: {text}", style="red", highlight=False, markup=False)
-        if len(early) > EARLY_SHOWN:
-            console().print(f"and {len(early) - EARLY_SHOWN} more, in {TABLE}", style="red")
-        files = ", ".join(str(folder / name) for name in (TABLE, SUMMARY, *drawn))
-        console().print(f"{len(cases)} runs; {files}", highlight=False)
+    done = finished(cases, folder, swept, options.against)
+    deliver(done.summary, options.json)
+    early = done.not_driven
+    drawn = [*_draw(done.groups, folder), *_report(done, options.against)]
+    if not options.talks:
+        return
+    print_means(done.groups)
+    failed = [row for row in done.table.to_pylist() if row["error"] is not None]
+    for text in dict.fromkeys(f"{r['scenario']}, {r['estimator']}: {r['error']}" for r in failed):
+        console().print(f"failed: {text}", style="dim", highlight=False, markup=False)
+    for text in early[:EARLY_SHOWN]:
+        console().print(f"not driven: {text}", style="red", highlight=False, markup=False)
+    if len(early) > EARLY_SHOWN:
+        console().print(f"and {len(early) - EARLY_SHOWN} more, in {TABLE}", style="red")
+    files = ", ".join(str(folder / name) for name in (TABLE, SUMMARY, *drawn))
+    console().print(f"{len(cases)} runs; {files}", highlight=False)
 
 
-def _report(
-    summary: Sequence[Mapping[str, Any]],
-    folder: Path,
-    count: int,
-    against: str | None,
-    early: Sequence[str],
-) -> list[str]:
+def _report(done: Done, against: str | None) -> list[str]:
     """The page of the scores that are shown, and of their paired differences."""
     from twin.report import rows
 
+    folder = done.folder
     shown = [
         _scaled(row, f"{heading}{less}", scale)
         for quantity, (heading, scale) in SHOWN.items()
         for less in ("", f" less that of {against}")
-        for row in summary
+        for row in done.summary
         if row["quantity"] == f"{quantity}{less}"
     ]
-    if not (shown or early):
+    if not (shown or done.not_driven):
         return []
-    about = f"Means of {count} runs over the seeds, and their 95 % intervals."
+    about = f"Means of {len(done.cases)} runs over the seeds, and their 95 % intervals."
     asked = json.loads((folder / PLAN).read_text())["twin study"]
     command = f"twin study {shlex.join(asked)}"
     title = f"Study: {folder.name}"
-    rows.write_intervals(folder / REPORT, title, about, shown, command, not_driven=early)
+    rows.write_intervals(folder / REPORT, title, about, shown, command, not_driven=done.not_driven)
     return [REPORT]
 
 
@@ -243,7 +218,7 @@ def _scaled(row: Mapping[str, Any], heading: str, scale: float) -> dict[str, Any
 
 
 def _draw(groups: Sequence[Group], folder: Path) -> list[str]:
-    from twin.study import figures
+    from twin.studies import figures
 
     names = {quantity: quantity.replace(".", "_") + ".png" for quantity in DRAWN}
     return [
@@ -258,7 +233,7 @@ def print_means(groups: Sequence[Group]) -> None:
     from rich import box
     from rich.table import Table
 
-    from twin.study.summary import mean
+    from twin.studies.summary import mean
 
     shown = [q for q in SHOWN if any(group.values(q) for group in groups)]
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="mean ± half the 95 % interval")

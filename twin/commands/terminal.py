@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from rich.console import Console
 
-from twin.table import HEADERS, end_lines, score_rows
+from twin.scores.table import HEADERS, end_lines, score_rows
 
 if TYPE_CHECKING:
-    from twin.many import Told
+    from twin.compute.parallel import Told
 
 _WIDE = 200
 """Columns of a table that goes into a file or a pipe."""

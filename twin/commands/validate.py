@@ -12,7 +12,7 @@ from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
 from twin.commands.terminal import console, counting
 from twin.errors import check_range
-from twin.written import write_text
+from twin.io.atomic import write_text
 
 if TYPE_CHECKING:
     from twin.validate.check import Check
@@ -40,7 +40,7 @@ def main(args: Sequence[str]) -> int:
     if options.jobs != -1:
         check_range("jobs", options.jobs, 1, 1024)
     check_files(json=options.json, out=options.out, report=options.report)
-    from twin.many import telling
+    from twin.compute.parallel import telling
     from twin.validate import page, suite
 
     with counting("validating", "checks", shown=options.talks) as told, telling(told):

@@ -11,7 +11,7 @@ from scipy import stats
 
 from twin.control.controllers import Controller
 from twin.control.trials import ENVIRONMENTS, HELD_OUT, PULL_QUANTITIES, QUANTITIES, drive
-from twin.rows import row
+from twin.io.result_rows import row
 
 Array = NDArray[np.float64]
 

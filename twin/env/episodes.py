@@ -9,7 +9,6 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from twin import registry
 from twin.env import observations
 from twin.env.fleet import Fleet, Start
 from twin.env.grounds import Ground, Lie, Recipe
@@ -17,7 +16,8 @@ from twin.env.instruments import Instruments
 from twin.env.observations import Entry
 from twin.env.starts import Starts
 from twin.errors import BadInput, UnknownName, check_range
-from twin.run import Estimator
+from twin.pipeline import named as registry
+from twin.pipeline.estimating import Estimator
 
 Array = NDArray[np.float64]
 

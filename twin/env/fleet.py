@@ -15,22 +15,22 @@ from numpy.typing import NDArray
 from twin.env.grounds import SPREAD, Ground, Lie
 from twin.env.quantities import Ids, ahead_w, dot, powers, true
 from twin.errors import BadInput
-from twin.machine.braking import Foot, brakes, press, set_radps
 from twin.machine.build import Machine
-from twin.machine.columns import Recorder
-from twin.machine.driver import LIFT_RATE_RADPS, ackermann, steer, towards
 from twin.machine.geometry import geometry
 from twin.machine.ground_frame import quaternion, world_from_ground
 from twin.machine.parameters import furrow_edge_m, soil_part
-from twin.machine.simulate import CONTROLS, DECISION_S
-from twin.machine.start import Diverged
-from twin.machine.trajectory import Trajectory
 from twin.physics import block
 from twin.physics.block import Field, Soil, Wheel
 from twin.scenario import Course
 from twin.scenario import Soil as Setting
-from twin.soils import PRESETS
+from twin.scenario.soils import PRESETS
+from twin.simulation.braking import Foot, brakes, press, set_radps
+from twin.simulation.columns import Recorder
+from twin.simulation.driver import LIFT_RATE_RADPS, ackermann, steer, towards
+from twin.simulation.guard import Diverged
+from twin.simulation.simulate import CONTROLS, DECISION_S
 from twin.streams import WHEELS
+from twin.trajectory.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.random import Generator
 
 from twin.errors import BadInput, OutOfRange, UnknownName, check_range
-from twin.scenario import MOST_PATCHES, Field, Patch, Soil
-from twin.soils import PRESETS
+from twin.scenario import Field, Patch, Soil
+from twin.scenario.field import MOST_PATCHES
+from twin.scenario.soils import PRESETS
 
 KINDS = ("firm", "tilled", "soft", "grass")
 """Presets an episode draws from, each as likely as the others."""

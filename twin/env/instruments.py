@@ -8,11 +8,11 @@ from typing import Any
 
 from twin import sensors
 from twin.machine.build import Machine
-from twin.machine.columns import Recorder
 from twin.machine.geometry import geometry
-from twin.machine.trajectory import Trajectory
-from twin.run import Estimator
+from twin.pipeline.estimating import Estimator
+from twin.simulation.columns import Recorder
 from twin.streams import COLUMNS, ESTIMATES, WHEELS, Streams, Table
+from twin.trajectory.trajectory import Trajectory
 
 ESTIMATED = ESTIMATES[1:]
 
@@ -58,7 +58,7 @@ class Instruments:
     def _see(self, chunk: Trajectory) -> None:
         self.state, streams = sensors.sample(self.config, self.state, chunk)
         for sensor, table in streams.tables.items():
-            columns = [c for c in COLUMNS[sensor] if c in table]
+            columns = [c for c in COLUMNS.get(sensor, ()) if c in table]
             self._hold(table, columns, f"{sensor}.")
         self._count(streams)
         if "gnss" in streams and len(streams["gnss"]["epoch_ns"]):

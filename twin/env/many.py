@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from twin.env import grounds
 from twin.env.episodes import Episodes, checked
 from twin.env.infos import Infos, add, columns
-from twin.env.rendering import FPS, Camera
+from twin.env.rendering import FPS, Camera, Look
 from twin.errors import BadInput
 
 RENDER_MODES = ["rgb_array"]
@@ -36,12 +36,12 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
     def _hold(
         self,
         episodes: Episodes,
-        render_mode: str | None,
+        look: Look,
         max_episode_steps: int | None,
         mode: AutoresetMode,
     ) -> None:
         """What a constructor ends with."""
-        self.episodes, self.render_mode = episodes, render_mode
+        self.episodes, self.look, self.render_mode = episodes, look, look.render_mode
         self.num_envs = num_envs = len(episodes.actions)
         self.limit, self.mode = max_episode_steps, mode
         self.metadata = {**type(self).metadata, "autoreset_mode": self.mode}
@@ -115,8 +115,8 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
             return None
         fleet = self.episodes.fleet
         if self.camera is None:
-            self.camera = Camera(fleet.machine.model)
-        return tuple(self.camera.of(fleet.batch, i) for i in range(self.num_envs))
+            self.camera = Camera(self.look, fleet)
+        return tuple(self.camera.of(fleet, i) for i in range(self.num_envs))
 
     def close_extras(self, **kwargs: Any) -> None:
         """Let go of the renderer."""

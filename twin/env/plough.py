@@ -5,7 +5,7 @@ from __future__ import annotations
 from gymnasium.utils import EzPickle
 
 from twin.env.ploughing import Ploughing
-from twin.env.rendering import check_mode
+from twin.env.rendering import Look
 from twin.env.single import RENDER_MODES, SingleEnv
 
 
@@ -36,6 +36,8 @@ class PloughEnv(SingleEnv):
     | `depth_m` | 0.25 | depth to plough at, for which the depth wheel is set [m], 0.05 to 0.35 |
     | `slip_target` | 0.12 | slip to work at [-], 0.02 to 0.4 |
     | `render_mode` | None | "rgb_array": `render()` gives a picture; "human": a window, in the tractor's own time |
+    | `width`, `height` | 640, 480 | of the picture or the window [px], 16 to 4096 |
+    | `camera` | "follow" | where the eye is: "follow" (behind, to the left), "side", "behind", "front" or "top"; it stays with the tractor |
 
     ## Actions: `Box(-1, 1, (2,), float32)`, values outside are taken as the bound
 
@@ -183,7 +185,12 @@ class PloughEnv(SingleEnv):
         depth_m: float = 0.25,
         slip_target: float = 0.12,
         render_mode: str | None = None,
+        width: int = 640,
+        height: int = 480,
+        camera: str = "follow",
     ) -> None:
-        EzPickle.__init__(self, observation, estimator, depth_m, slip_target, render_mode)
-        check_mode(render_mode, RENDER_MODES)
-        self._hold(Ploughing(observation, estimator, depth_m, slip_target), render_mode)
+        EzPickle.__init__(
+            self, observation, estimator, depth_m, slip_target, render_mode, width, height, camera
+        )  # fmt: skip
+        look = Look(render_mode, width, height, camera).check(RENDER_MODES)
+        self._hold(Ploughing(observation, estimator, depth_m, slip_target), look)

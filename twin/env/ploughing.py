@@ -12,9 +12,9 @@ from twin.env import observations, reward
 from twin.env.episodes import Episodes, asked
 from twin.env.fleet import Fleet
 from twin.env.grounds import PLOUGHED, lies
-from twin.machine.build import build
 from twin.machine.fuel import fuel_lph
 from twin.scenario import Course, Plough, Scenario
+from twin.simulation.build import build
 
 Array = NDArray[np.float64]
 

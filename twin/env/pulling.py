@@ -12,9 +12,9 @@ from twin.env import observations, reward
 from twin.env.episodes import Episodes, asked
 from twin.env.grounds import ROLLED, lies
 from twin.env.torque_fleet import TorqueFleet, motors
-from twin.machine.build import build
 from twin.scenario import Course, Drive, Scenario, Soil
 from twin.sensors import Imu, Sensors
+from twin.simulation.build import build
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from twin.physics.block import MachineSlot, WheelSlot
 from twin.physics.motion import MOTION, motions
 from twin.streams import WHEELS
-from twin.truth import slip_ratio
+from twin.truth.truth import slip_ratio
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]

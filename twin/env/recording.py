@@ -10,15 +10,16 @@ import numpy as np
 from gymnasium import Env, Wrapper
 from numpy.typing import NDArray
 
-from twin import sensors, truth, viz
+from twin import sensors, viz
 from twin.env.single import Observation, SingleEnv
-from twin.machine.build import build
-from twin.machine.columns import Recorder
+from twin.io.run_folder import Record
 from twin.machine.geometry import geometry
-from twin.machine.trajectory import Trajectory
-from twin.runfolder import Record
 from twin.scenario import Scenario
+from twin.simulation.build import build
+from twin.simulation.columns import Recorder
 from twin.streams import ESTIMATES, Streams, Table
+from twin.trajectory.trajectory import Trajectory
+from twin.truth import truth
 
 TOWED = ("draft_n", "axle_torque_nm")
 """What an electric tractor's callback does not know of, and its fleet does."""

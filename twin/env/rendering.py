@@ -2,86 +2,91 @@
 
 from __future__ import annotations
 
-import warnings
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
 
-import mujoco
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
 from numpy.typing import NDArray
 
-from twin.errors import UnknownName
+from twin.camera.opengl import NoGraphics, OffScreen
+from twin.errors import OutOfRange, UnknownName
 
-WIDTH, HEIGHT, FPS = 640, 480, 50
-DISTANCE_WHEELBASES, AZIMUTH_DEG, ELEVATION_DEG = 4.0, 125.0, -15.0
-"""Where the eye is: from the tractor, at its left and ahead, a little above."""
+if TYPE_CHECKING:
+    from twin.env.fleet import Fleet
+
+FPS = 50
+CAMERAS = ("follow", "side", "behind", "front", "top")
+LEAST_PX, MOST_PX = 16, 4096
 
 
 class Screen(Protocol):
     """What a render mode shows tractors on."""
 
-    def of(self, batch: Any, i: int) -> NDArray[np.uint8] | None:
-        """Show one tractor of a Batch on its own ground; the picture, if it is one."""
+    def of(self, fleet: Fleet, i: int) -> NDArray[np.uint8] | None:
+        """Show one tractor of a fleet on its own ground; the picture, if it is one."""
 
     def close(self) -> None:
         """Let go of OpenGL."""
 
 
-def check_mode(render_mode: str | None, modes: list[str]) -> None:
-    """Raise UnknownName for a render mode that there is not."""
-    if render_mode not in (None, *modes):
-        raise UnknownName("render_mode", str(render_mode), modes)
+@dataclass(frozen=True)
+class Look:
+    """How tractors are looked at: the arguments of an environment that say so."""
+
+    render_mode: str | None = None
+    width: int = 640
+    height: int = 480
+    camera: str = "follow"
+
+    def check(self, modes: list[str]) -> Look:
+        """Itself.
+
+        Raises:
+            UnknownName: a render mode or a camera that there is not.
+            OutOfRange: a size that no picture has.
+        """
+        if self.render_mode not in (None, *modes):
+            raise UnknownName("render_mode", str(self.render_mode), modes)
+        if self.camera not in CAMERAS:
+            raise UnknownName("camera", str(self.camera), CAMERAS)
+        for name in ("width", "height"):
+            size = getattr(self, name)
+            if isinstance(size, bool) or int(size) != size or not LEAST_PX <= size <= MOST_PX:
+                raise OutOfRange(name, size, f"the whole numbers {LEAST_PX} to {MOST_PX}")
+        return self
 
 
-def screen(render_mode: str, model: Any) -> Screen:
+def screen(look: Look, fleet: Fleet) -> Screen:
     """The screen of a render mode. Raises DependencyNotInstalled without what it needs."""
-    if render_mode == "human":
+    if look.render_mode == "human":
         from twin.env.window import Window  # loads the window library
 
-        return Window(model)
-    return Camera(model)
+        return Window(look, fleet)
+    return Camera(look, fleet)
 
 
 class Camera:
-    """Follows the tractor from the side; gives pictures (480, 640, 3)."""
+    """Follows a tractor; gives pictures (height, width, 3)."""
 
-    def __init__(self, model: Any) -> None:
+    def __init__(self, look: Look, fleet: Fleet) -> None:
         """Raises DependencyNotInstalled without a working OpenGL driver."""
+        from twin.env.staging import Staging  # loads what draws
+
+        self.staging = Staging(look, fleet)
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # what the window library says of a missing display
-                self.renderer = mujoco.Renderer(model, HEIGHT, WIDTH)
-        except Exception as error:  # each OpenGL platform fails in a way of its own
+            self.frame = OffScreen(self.staging.stage.model, look.width, look.height)
+        except NoGraphics as error:
             raise DependencyNotInstalled(
                 "render_mode 'rgb_array' needs OpenGL, which does not start here. Install a driver "
                 "(Debian: apt install libegl1, or libosmesa6) and set MUJOCO_GL=egl (or osmesa) "
                 f"before Python starts. It said: {error}"
             ) from error
-        self.view = mujoco.MjvCamera()
-        look_at_tractor(self.view, model)
 
-    def of(self, batch: Any, i: int) -> NDArray[np.uint8]:
-        """One tractor of a Batch on its own ground, (height, width, 3)."""
-        model, state = batch.get_model(i), batch.get_data(i)
-        mujoco.mj_forward(model, state)
-        return self.picture(state)
-
-    def picture(self, state: Any) -> NDArray[np.uint8]:
-        """The tractor of an MjData whose kinematics are current, (height, width, 3)."""
-        self.renderer.update_scene(state, camera=self.view)
-        picture: NDArray[np.uint8] = self.renderer.render()
-        return picture
+    def of(self, fleet: Fleet, i: int) -> NDArray[np.uint8]:
+        """One tractor of a fleet on its own ground, (height, width, 3)."""
+        return self.staging.set(fleet, i).picture(self.frame)
 
     def close(self) -> None:
         """Let go of the OpenGL context."""
-        self.renderer.close()
-
-
-def look_at_tractor(view: Any, model: Any) -> None:
-    """Turn an eye to the tractor; a machine without its scene would stand in the dark."""
-    if model.nlight == 0:
-        model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.45, 0.75
-    view.type = mujoco.mjtCamera.mjCAMERA_TRACKING
-    view.trackbodyid = model.body("tractor").id
-    view.distance = DISTANCE_WHEELBASES * float(model.body("front_axle").pos[0])
-    view.azimuth, view.elevation = AZIMUTH_DEG, ELEVATION_DEG
+        self.frame.close()

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from twin.env import grounds
 from twin.env.episodes import Episodes, checked
-from twin.env.rendering import FPS, Screen, screen
+from twin.env.rendering import FPS, Look, Screen, screen
 
 RENDER_MODES = ["rgb_array", "human"]
 Observation = NDArray[np.float32]
@@ -23,9 +23,9 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
 
     metadata = {"render_modes": RENDER_MODES, "render_fps": FPS}  # noqa: RUF012  Gymnasium's name
 
-    def _hold(self, episodes: Episodes, render_mode: str | None) -> None:
+    def _hold(self, episodes: Episodes, look: Look) -> None:
         """What a constructor ends with."""
-        self.episodes, self.render_mode = episodes, render_mode
+        self.episodes, self.look, self.render_mode = episodes, look, look.render_mode
         self.entries = episodes.entries
         self.observation_space = episodes.observation_space
         self.action_space = episodes.action_space
@@ -75,7 +75,7 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         return observation, float(rewards[0]), bool(stalled[0]), False, info
 
     def render(self) -> NDArray[np.uint8] | None:
-        """The tractor as it stands: a picture (480, 640, 3), or None where it is in a window.
+        """The tractor as it stands: a picture (height, width, 3), or None where it is in a window.
 
         Raises:
             DependencyNotInstalled: there is no OpenGL driver, or no display for a window.
@@ -83,8 +83,8 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         if self.render_mode is None:
             return None
         if self.screen is None:
-            self.screen = screen(self.render_mode, self.episodes.fleet.machine.model)
-        return self.screen.of(self.episodes.fleet.batch, 0)
+            self.screen = screen(self.look, self.episodes.fleet)
+        return self.screen.of(self.episodes.fleet, 0)
 
     def close(self) -> None:
         """Let go of the renderer."""

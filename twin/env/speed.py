@@ -11,7 +11,7 @@ import numpy as np
 
 from twin.env.plough import PloughEnv
 from twin.env.vector import PloughVectorEnv
-from twin.rows import row
+from twin.io.result_rows import row
 
 ACTION = np.array([0.3, 0.5], dtype=np.float32)
 SETTLE_STEPS, REPEATS = 100, 40

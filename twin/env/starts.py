@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from twin.env.fleet import RAISED_M, Axes, Fleet, Start, lift_rad
 from twin.env.grounds import Lie
-from twin.machine.braking import Foot
 from twin.machine.build import Machine
-from twin.machine.columns import Recorder
 from twin.machine.ground_frame import quaternion
 from twin.machine.start import RAISED_RAD
 from twin.physics import block
+from twin.simulation.braking import Foot
+from twin.simulation.columns import Recorder
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from gymnasium.vector import AutoresetMode
 from twin.env.many import RENDER_MODES, ManyEnv
 from twin.env.ploughing import Ploughing
 from twin.env.pulling import Pulling
-from twin.env.rendering import check_mode
+from twin.env.rendering import Look
 from twin.errors import OutOfRange, UnknownName
 
 
@@ -51,15 +51,18 @@ class PloughVectorEnv(ManyEnv):
         render_mode: str | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         nthread: int | None = None,
+        width: int = 640,
+        height: int = 480,
+        camera: str = "follow",
     ) -> None:
         EzPickle.__init__(
             self, num_envs, max_episode_steps, observation, estimator, depth_m, slip_target,
-            render_mode, autoreset_mode, nthread,
+            render_mode, autoreset_mode, nthread, width, height, camera,
         )  # fmt: skip
-        check_mode(render_mode, RENDER_MODES)
+        look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
         episodes = Ploughing(observation, estimator, depth_m, slip_target, num_envs, threads)
-        self._hold(episodes, render_mode, max_episode_steps, mode)
+        self._hold(episodes, look, max_episode_steps, mode)
 
 
 class WheelSlipVectorEnv(ManyEnv):
@@ -81,15 +84,18 @@ class WheelSlipVectorEnv(ManyEnv):
         render_mode: str | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         nthread: int | None = None,
+        width: int = 640,
+        height: int = 480,
+        camera: str = "follow",
     ) -> None:
         EzPickle.__init__(
             self, num_envs, max_episode_steps, observation, estimator, slip_target,
-            render_mode, autoreset_mode, nthread,
+            render_mode, autoreset_mode, nthread, width, height, camera,
         )  # fmt: skip
-        check_mode(render_mode, RENDER_MODES)
+        look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
         episodes = Pulling(observation, estimator, slip_target, num_envs, threads)
-        self._hold(episodes, render_mode, max_episode_steps, mode)
+        self._hold(episodes, look, max_episode_steps, mode)
 
 
 def _threads(num_envs: int, nthread: int | None) -> int:

@@ -1,1 +1,1 @@
-"""From a scenario to a machine on soil, and from there to its trajectory."""
+"""From a scenario to a compiled machine with its parameter block."""

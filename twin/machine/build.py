@@ -1,7 +1,8 @@
-"""Compile a scenario's machine: MJCF, ground, parameter block, working linkage, start state."""
+"""Compile a scenario's machine: MJCF, ground, parameter block, working linkage."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,7 +23,8 @@ from twin.machine.plough_setting import (
     mounted,
     set_plough,
 )
-from twin.machine.start import settled, standing, unloaded_speed_mps, unsettled
+from twin.machine.start import standing, unloaded_speed_mps, unsettled
+from twin.machine.turnover import turn_over
 from twin.physics import block
 from twin.physics.callback import install
 from twin.scenario import Plough, Scenario
@@ -51,7 +53,7 @@ class Machine:
     setting: Setting | None
     """How the hitch is set; None without a plough."""
     start_qpos: Array
-    """Settled on the tyres at the start of the course, the plough carried. Shape (nq,)."""
+    """At the start of the course, the plough carried. Shape (nq,)."""
     start_act: Array
     """Activations there: what the tyres have wound up. Shape (na,)."""
     start_speed_mps: float
@@ -67,24 +69,23 @@ class Machine:
         return (self.scenario.drive.engine_set_rpm - idle) / (top - idle)
 
 
-def build(
+def assemble(
     scenario: Scenario,
     *,
     looks: bool = False,
-    settle: bool = True,
     setting: Setting | None = None,
+    dress: Callable[[Any], None] | None = None,
 ) -> Machine:
-    """Compile the machine of a scenario and install the laws.
+    """Compile the machine of a scenario, put it at the start of its course, and install the laws.
 
     Wheel contact is switched off, because the callback takes over; everything else stays native.
     What is only looked at is left out, as it would nearly double the time of a step.
 
     Args:
-        scenario: what is built.
+        scenario: what is assembled.
         looks: keep what is only looked at.
-        settle: let it come to rest on its tyres, which driving needs and looking does not.
-        setting: how the hitch is set; None leaves it to the operator, who drives a trial furrow
-            where the depth is not trimmed on the way.
+        setting: how the hitch is set; None for what the geometry asks for.
+        dress: adds to the specification what only the eye wants; for a machine that is looked at.
     """
     install()
     spec = mujoco.MjSpec.from_file(str(model_path(scenario.machine)))
@@ -100,6 +101,7 @@ def build(
     _add_activations(spec)
     if scenario.plough is not None:
         _fit_tractor(spec, scenario.plough, numbers)
+        turn_over(spec, scenario.plough, numbers)
         spec.body("plough.frame").quat = levelled(furrow_roll_rad(scenario, spec))
     spec.option.timestep = scenario.timestep_s
     spec.add_sensor(name="potential_j", type=mujoco.mjtSensor.mjSENS_E_POTENTIAL)
@@ -107,6 +109,8 @@ def build(
     spec.nuserdata = block.RATE_SLOTS + _activation_count(spec)
     spec.add_numeric(name="tractor_twin", size=block.SIZE, data=[0.0] * block.SIZE)
     spec.compiler.discardvisual = not looks
+    if dress is not None:
+        dress(spec)
     model = spec.compile()
     hitch = _hitch(spec)
     reflected = numbers["engine.inertia_kgm2"] * scenario.drive.gear_ratio**2
@@ -120,24 +124,16 @@ def build(
         plough, draft_scale = scenario.plough, scenario.expected_draft_scale
         here = mounted(model, plough, draft_scale, numbers, hitch, axle_height_m)
         work_rad = here.work_rad
-        if setting is None:
-            setting = by_geometry(here)
-            if plough.hitch != "depth" and settle:
-                setting = _tried(scenario, plough, setting)
+        setting = setting or by_geometry(here)
         set_plough(model, here, setting)
     speed = unloaded_speed_mps(scenario, numbers)
-    start = standing(model, scenario, rotation, hitch, work_rad, maps.get("heights"))
-    rest = settled(model, start, rotation, scenario) if settle else unsettled(model, start)
+    start = unsettled(
+        model, standing(model, scenario, rotation, hitch, work_rad, maps.get("heights"))
+    )
     return Machine(
-        scenario, model, numbers, rotation, hitch, work_rad, setting, rest.qpos, rest.act, speed,
-        rest.load_n, maps,
+        scenario, model, numbers, rotation, hitch, work_rad, setting, start.qpos, start.act, speed,
+        start.load_n, maps,
     )  # fmt: skip
-
-
-def _tried(scenario: Scenario, plough: Plough, geometry: Setting) -> Setting:
-    from twin.machine.trial import tried  # the trial is driven on a machine of this module
-
-    return tried(scenario, plough, geometry)
 
 
 def _leave_plough(spec: Any) -> None:

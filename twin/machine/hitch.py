@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+FLOAT_RAD = -0.4
+"""Command below any working position: the lift, which only lifts, carries nothing."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Hitch:

@@ -16,10 +16,11 @@ from twin.machine.tread import tread_part
 from twin.physics import block
 from twin.physics.block import Coupling, Engine, Envelope, Field, Head, Plough, Soil, Wheel
 from twin.physics.laws import law_number
-from twin.scenario import FURROW_SIDES, Scenario
 from twin.scenario import Plough as Setting
+from twin.scenario import Scenario
 from twin.scenario import Soil as Ground
-from twin.soils import Deformable
+from twin.scenario.plough import FURROW_SIDES
+from twin.scenario.soils import Deformable
 from twin.terrain.grid import GridMap
 from twin.terrain.place import first_envelope, grid_part
 
@@ -242,7 +243,7 @@ def _coupling(
 
 
 def _plough(model: Any, numbers: dict[str, float], setting: Setting) -> dict[Any, float]:
-    """The plough's numbers; the operator has shifted it so that the first body meets the wall."""
+    """The plough's numbers; its shares are where `twin.machine.turned` has set them."""
     laws = tuple(f for f in Plough if f < Plough.WHEEL_RADIUS_M)
     wheel = tuple(f for f in Plough if Plough.WHEEL_RADIUS_M <= f < Plough.SOIL_STIFFNESS_NPM)
     out = _named(numbers, "plough", (*laws, Plough.SOIL_STIFFNESS_NPM))
@@ -250,14 +251,9 @@ def _plough(model: Any, numbers: dict[str, float], setting: Setting) -> dict[Any
     out[Plough.SOIL] = memory.address(model, "soil_1_x")
     for f in wheel:
         out[f] = _number(numbers, "plough." + f.name.lower().replace("wheel_", "depth_wheel."))
-    side = FURROW_SIDES[setting.furrow]
-    shift_m = (
-        0.0 if side == 0 else numbers["furrow.edge_m"] - furrow_edge_m(numbers, setting.depth_m)
-    )
-    mirror = -1.0 if side < 0 else 1.0  # drawn for a furrow on the left
     for i in range(bodies):
-        x, y, z = model.site(f"plough.share_{i + 1}").pos
-        out |= {Plough.SHARES + 3 * i + k: v for k, v in enumerate((x, mirror * (y - shift_m), z))}
+        place = model.site(f"plough.share_{i + 1}").pos
+        out |= {Plough.SHARES + 3 * i + k: v for k, v in enumerate(place)}
     return out
 
 

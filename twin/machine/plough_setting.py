@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from twin.machine.driver import FLOAT_RAD
-from twin.machine.hitch import Hitch
+from twin.machine.hitch import FLOAT_RAD, Hitch
 from twin.machine.parameters import body_id
-from twin.scenario import FURROW_SIDES, Plough, Scenario
+from twin.scenario import Plough, Scenario
+from twin.scenario.plough import FURROW_SIDES
 
 GRAVITY_MPS2 = 9.81
 SWING_RAD = 1e-4

@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from twin.compiled import law
+from twin.compute.compiled import law
 from twin.physics.block import Soil, Wheel
 from twin.physics.shapes import Array
 

@@ -75,7 +75,7 @@ class Field(IntEnum):
 class Soil(IntEnum):
     """Soil under the wheels and the plough; see twin.scenario.Soil for the meaning."""
 
-    LAW = 0  # its number in twin.soils.LAWS, or that of a user's law
+    LAW = 0  # its number in twin.scenario.soils.LAWS, or that of a user's law
     FRICTION = 1
     CONE_INDEX_KPA = 2
     SLIP_RATE = 3

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from twin.compiled import inlined_law
+from twin.compute.compiled import inlined_law
 from twin.physics.block import Soil, Wheel
 from twin.physics.shapes import Array
 

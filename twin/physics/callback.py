@@ -8,13 +8,13 @@ activations. A model without our parameter block is left alone.
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from functools import cache
-from typing import Any
 
 import mujoco
 from numba import carray, types
 
-from twin.compiled import c_callback, law
+from twin.compute.compiled import c_callback, law
 from twin.errors import BadInput
 from twin.physics import block, layout, memory, rigid
 from twin.physics.block import (
@@ -71,7 +71,7 @@ MAGIC, VERSION = block.MAGIC, block.VERSION
 
 
 @law
-def find_block(model: Any) -> int:
+def find_block(model: int) -> int:
     """Address of the parameter block in numeric_data, or -1 for a model that is not ours.
 
     Neither is one whose block has another version, or whose userdata has no room for the slots.
@@ -93,7 +93,7 @@ def find_block(model: Any) -> int:
 
 
 @law
-def last_dof(model: Any, body: int) -> int:
+def last_dof(model: int, body: int) -> int:
     """The last degree of freedom that moves a body, or -1 for one that nothing moves."""
     count, parent = memory.ints(model, BODY_DOFNUM), memory.ints(model, BODY_PARENTID)
     while count[body] == 0:
@@ -178,7 +178,7 @@ def drive(
 
 
 @law
-def ground_forces(model: Any, data: Any) -> None:
+def ground_forces(model: int, data: int) -> None:
     """All forces of ground, engine and brakes, added to qfrc_passive."""
     address = find_block(model)
     if address < 0:
@@ -229,7 +229,7 @@ def ground_forces(model: Any, data: Any) -> None:
 
 
 @law
-def activation_rates(model: Any, data: Any, actuator: int) -> float:
+def activation_rates(model: int, data: int, actuator: int) -> float:
     """Write the rates of an actuator's activations, as the passive callback left them.
 
     MuJoCo takes what is returned where an actuator has one activation, and else what is written.
@@ -246,7 +246,7 @@ def activation_rates(model: Any, data: Any, actuator: int) -> float:
 
 
 @cache
-def _callbacks() -> tuple[Any, Any]:
+def _callbacks() -> tuple[Callable[..., None], Callable[..., float]]:
     """The compiled callbacks as C functions; kept, because MuJoCo holds only their addresses."""
     passive = c_callback(types.void(types.voidptr, types.voidptr))(_passive)
     act_dyn = c_callback(types.float64(types.voidptr, types.voidptr, types.int32))(_act_dyn)
@@ -258,11 +258,11 @@ def _callbacks() -> tuple[Any, Any]:
     )
 
 
-def _passive(model: Any, data: Any) -> None:
+def _passive(model: int, data: int) -> None:
     ground_forces(model, data)
 
 
-def _act_dyn(model: Any, data: Any, actuator: Any) -> Any:
+def _act_dyn(model: int, data: int, actuator: int) -> float:
     return activation_rates(model, data, actuator)
 
 

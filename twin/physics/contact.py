@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 
-from twin.compiled import inlined_law
+from twin.compute.compiled import inlined_law
 from twin.physics import rigid
 from twin.physics.block import Field, Grid, Wheel
 from twin.physics.ground import field_axis, on_nodes, smooth_step

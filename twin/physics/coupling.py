@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from twin.compiled import law
+from twin.compute.compiled import law
 from twin.physics.block import Coupling
 from twin.physics.shapes import Array
 

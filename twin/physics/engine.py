@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from twin.compiled import law
+from twin.compute.compiled import law
 from twin.physics.block import Engine
 from twin.physics.shapes import Array
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from twin.compiled import inlined_law
+from twin.compute.compiled import inlined_law
 from twin.physics import rigid
 from twin.physics.block import Field, Wheel
 from twin.physics.ground import field_axis, smooth_step

@@ -6,11 +6,10 @@ Random fields are made by hashing, so a run can be repeated over them.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
-from twin.compiled import inlined_law, law
+from twin.compute.compiled import inlined_law, law
 from twin.physics.block import Field, Grid, Soil
 from twin.physics.shapes import Array, Vector
 
@@ -35,7 +34,7 @@ STRENGTH, RIPPLE, ROCKS = 101, 202, 303
 
 
 @law
-def node_value(seed: float, ix: Any, iy: Any) -> float:
+def node_value(seed: float, ix: int | np.int64, iy: int | np.int64) -> float:
     """Uniform random number at a lattice node, mean 0, variance 1.
 
     SplitMix64's finaliser (Steele, Lea, Flood 2014) over the node's coordinates and the seed.

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import inspect
 import itertools
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 
-from twin.lookup import attribute
 from twin.physics.block import Soil, Wheel
+from twin.physics.shapes import Forces
+from twin.plugins.lookup import attribute
 
 SLOTS = {
     "friction": (Soil.FRICTION, Soil.COHESION_PA, Soil.TAN_PHI),
@@ -52,7 +53,7 @@ def fields_read(name: str) -> frozenset[str]:
     Raises:
         BadInput: there is no such law.
     """
-    law = attribute("soil law", name)
+    law: Callable[..., Forces] = attribute("soil law", name)
     law = getattr(law, "py_func", law)
     try:
         text = inspect.getsource(inspect.getmodule(law))  # type: ignore[arg-type]
@@ -65,7 +66,7 @@ def fields_read(name: str) -> frozenset[str]:
     )
 
 
-def _answers(law: Any, lowered: tuple[Soil, ...]) -> bytes:
+def _answers(law: Callable[..., Forces], lowered: tuple[Soil, ...]) -> bytes:
     """What a law says at all points, on a soil of which some numbers are a tenth less."""
     soil, wheel = np.zeros(Soil.SIZE), np.zeros(Wheel.SIZE)
     for slot, value in _TYPICAL.items():

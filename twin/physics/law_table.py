@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
 
 import llvmlite.binding
 import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
+from numba.core.base import BaseContext
+from numba.core.imputils import impl_ret_borrowed
+from numba.core.typing.context import BaseContext as TypingContext
+from numba.core.typing.templates import Signature
 from numba.extending import intrinsic
+
+from twin.physics.memory import Intrinsic
 
 MOST_LAWS = 32
 TABLE = np.zeros((MOST_LAWS, 2), dtype=np.int64)
@@ -24,10 +30,12 @@ SIGNATURE = types.void(
 
 
 @intrinsic
-def table_pointer(typing_context: Any) -> Any:
+def table_pointer(typing_context: TypingContext) -> Intrinsic:
     """Pointer to TABLE, by a symbol that is resolved when machine code is loaded."""
 
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    def codegen(
+        context: BaseContext, builder: ir.IRBuilder, signature: Signature, args: Sequence[ir.Value]
+    ) -> ir.Value:
         known = builder.module.globals.get(SYMBOL)
         variable = known or ir.GlobalVariable(builder.module, ir.IntType(64), SYMBOL)
         return builder.bitcast(variable, context.get_value_type(signature.return_type))
@@ -37,12 +45,20 @@ def table_pointer(typing_context: Any) -> Any:
 
 @intrinsic
 def call(
-    typing_context: Any, address: Any, soil: Any, wheel: Any, load: Any, slip: Any, side: Any
-) -> Any:
+    typing_context: TypingContext,
+    address: types.Type,
+    soil: types.Type,
+    wheel: types.Type,
+    load: types.Type,
+    slip: types.Type,
+    side: types.Type,
+) -> Intrinsic:
     """Call the C function of a law by its address; the five numbers it writes, as a tuple."""
     result = types.UniTuple(types.float64, 5)
 
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    def codegen(
+        context: BaseContext, builder: ir.IRBuilder, signature: Signature, args: Sequence[ir.Value]
+    ) -> ir.Value:
         double = ir.DoubleType()
         pointer = double.as_pointer()
         kind = ir.FunctionType(
@@ -56,3 +72,15 @@ def call(
 
     numbers = (types.float64,) * 3
     return result(types.int64, types.intp, types.intp, *numbers), codegen
+
+
+@intrinsic
+def frozen(typing_context: TypingContext, array: types.Array) -> Intrinsic:
+    """The same array, typed so that code that writes to it does not compile."""
+
+    def codegen(
+        context: BaseContext, builder: ir.IRBuilder, signature: Signature, args: Sequence[ir.Value]
+    ) -> ir.Value:
+        return impl_ret_borrowed(context, builder, signature.return_type, args[0])
+
+    return array.copy(readonly=True)(array), codegen

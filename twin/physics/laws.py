@@ -17,24 +17,24 @@ import inspect
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numba
 import numpy as np
 from numba import carray
+from numba.core.ccallback import CFunc
 
-from twin.compiled import inlined_law, key
+from twin.compute.compiled import inlined_law, key
 from twin.errors import BadInput
-from twin.lookup import attribute
 from twin.physics.bekker import bekker
 from twin.physics.block import Soil, Wheel
 from twin.physics.brixius import brixius
-from twin.physics.law_table import MOST_LAWS, SIGNATURE, TABLE, call, table_pointer
-from twin.physics.shapes import Array
-from twin.soils import LAWS
+from twin.physics.law_table import MOST_LAWS, SIGNATURE, TABLE, call, frozen, table_pointer
+from twin.physics.shapes import Array, Forces
+from twin.plugins.failing import WRITES
+from twin.plugins.lookup import attribute
+from twin.scenario.soils import LAWS
 
 BRIXIUS, BEKKER = float(LAWS.index("brixius")), float(LAWS.index("bekker"))
-Forces = tuple[float, float, float, float, float]
 SOIL_SIZE, WHEEL_SIZE = int(Soil.SIZE), int(Wheel.SIZE)
 
 
@@ -82,34 +82,38 @@ def register(function: Callable[..., Forces], name: str) -> float:
     if known is None or known[0] is not function:  # loaded anew, perhaps with what it imports
         compiled = _compile(function, name)
         _KNOWN[number] = function, compiled
-        TABLE[rows[0]] = number, compiled.address
+        TABLE[rows[0], 0], TABLE[rows[0], 1] = number, compiled.address or 0
     return float(number)
 
 
-_KNOWN: dict[int, tuple[Any, Any]] = {}
+_KNOWN: dict[int, tuple[Callable[..., Forces], CFunc]] = {}
 """Number -> the law as it was given and as it was compiled; the table holds only addresses."""
 
 
-def _compile(function: Any, name: str) -> Any:
+def _compile(function: Callable[..., Forces], name: str) -> CFunc:
     """The law as a C function; not cached on disk, so that it cannot be stale."""
     try:
         pure = function
         if not hasattr(function, "py_func"):
             pure = numba.njit(error_model="numpy")(function)
 
-        def entry(soil: Any, wheel: Any, load: Any, slip: Any, side: Any, out: Any) -> None:
+        def entry(
+            soil: Array, wheel: Array, load: float, slip: float, side: float, out: Array
+        ) -> None:
             out[0], out[1], out[2], out[3], out[4] = pure(
-                carray(soil, SOIL_SIZE), carray(wheel, WHEEL_SIZE), load, slip, side
+                frozen(carray(soil, SOIL_SIZE)), frozen(carray(wheel, WHEEL_SIZE)), load, slip, side
             )
 
         return numba.cfunc(SIGNATURE)(entry)
     except Exception as error:  # whatever numba says of a user's function
         said = [n for n in str(error).splitlines() if n and not n.startswith("Failed in nopython")]
         reason = said[0] if said else type(error).__name__
+        if WRITES.search(str(error)):
+            reason = "it writes to the soil or the wheel, which are the model's; x = soil.copy()"
         raise BadInput(f"soil law '{name}' cannot be compiled: {reason}") from None
 
 
-def _source(function: Any, name: str) -> str:
+def _source(function: Callable[..., Forces], name: str) -> str:
     """Text of the file a law stands in."""
     try:
         module = inspect.getmodule(getattr(function, "py_func", function))

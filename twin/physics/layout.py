@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import ctypes
 from functools import cache
-from typing import Any
 
 from mujoco.introspect import ast_nodes, structs
 
-_PRIMITIVE: dict[str, Any] = {
+_PRIMITIVE: dict[str, type] = {
     "int": ctypes.c_int,
     "mjtNum": ctypes.c_double,
     "double": ctypes.c_double,
@@ -33,15 +32,20 @@ def struct(name: str) -> type[ctypes.Structure]:
 
 def offset(name: str, path: str) -> int:
     """Byte offset of a field, by a dotted path for a nested struct ("opt.timestep")."""
-    kind: Any = struct(name)
+    kind = struct(name)
     total = 0
     for part in path.split("."):
         total += getattr(kind, part).offset
-        kind = dict(kind._fields_)[part]
+        kind = _field(kind, part)
     return total
 
 
-def _ctype(node: Any) -> Any:
+def _field(kind: type[ctypes.Structure], name: str) -> type[ctypes.Structure]:
+    found: type[ctypes.Structure] = {n: of for n, of, *_ in kind._fields_}[name]  # type: ignore[assignment]
+    return found
+
+
+def _ctype(node: ast_nodes.Type) -> type:
     if isinstance(node, ast_nodes.PointerType):
         return ctypes.c_void_p
     if isinstance(node, ast_nodes.ArrayType):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.compiled import law
+from twin.compute.compiled import law
 from twin.physics import rigid
 from twin.physics.block import WheelSlot
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from twin.compiled import law
+from twin.compute.compiled import law
 from twin.physics import rigid
 from twin.physics.block import Field, Plough, Soil
 from twin.physics.ground import RIPPLE, ROCKS, node_value, random_field

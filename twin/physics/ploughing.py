@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from twin.compiled import law
+from twin.compute.compiled import law
 from twin.physics import block, rigid
 from twin.physics.block import Envelope, Field, Head, MachineSlot, Plough, PowerSlot
 from twin.physics.contact import felt_height
@@ -19,7 +18,7 @@ from twin.physics.plough import (
     share_force,
     soil_before,
 )
-from twin.physics.shapes import Array, Vector
+from twin.physics.shapes import Array, Integers, Vector
 
 FIELD, SOIL, WHEEL, PLOUGH = block.FIELD, block.SOIL, block.WHEEL, block.PLOUGH
 
@@ -86,7 +85,7 @@ def pull_plough(
     cvel: Array,
     com: Array,
     cdof: Array,
-    parent: Any,
+    parent: Integers,
     passive: Array,
     act: Array,
     dt_s: float,

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from twin.compiled import inlined_law
-from twin.physics.shapes import Array, Vector
+from twin.compute.compiled import inlined_law
+from twin.physics.shapes import Array, Integers, Vector
 
 
 @inlined_law
@@ -100,7 +99,7 @@ def point_velocity(cvel: Array, com: Array, body: int, root: int, point: Vector)
 def push(
     force_out: Array,
     cdof: Array,
-    parent: Any,
+    parent: Integers,
     last_dof: int,
     com: Array,
     root: int,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from twin.compiled import inlined_law, law
+from twin.compute.compiled import inlined_law, law
 from twin.physics import rigid
 from twin.physics.block import Field, PowerSlot, Soil, Wheel, WheelSlot
 from twin.physics.contact import RING, ring, upward

@@ -7,7 +7,7 @@ import math
 from twin.physics.bekker import bekker, hard_deflection_m
 from twin.physics.block import Soil, Wheel
 from twin.physics.shapes import Array
-from twin.soils import LAWS
+from twin.scenario.soils import LAWS
 
 PRESSURE_KPA = (15.0, 55.0)
 """W / (b d) of the tyres behind Brixius' law [kPa]; Brixius 1987, ASABE D497."""

@@ -16,8 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from twin.palette import FIGURE, colours
-from twin.scores import seconds
+from twin.report.palette import FIGURE, colours
+from twin.scores.scores import seconds
 from twin.streams import Table
 
 Array = NDArray[Any]

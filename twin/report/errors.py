@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogFormatter
 
-from twin.palette import TRUTH_COLOUR, colours
 from twin.report.draw import Array, Estimates, finite, svg
-from twin.scores import at, seconds
+from twin.report.palette import TRUTH_COLOUR, colours
+from twin.scores.scores import at, seconds
 from twin.streams import Table
 
 Window = tuple[float, float]

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from twin.palette import SEA, TRUTH_COLOUR
 from twin.report.draw import Estimates, columns, estimate_lines, limits, line, svg, thinned
-from twin.scores import moving, seconds
+from twin.report.palette import SEA, TRUTH_COLOUR
+from twin.scores.scores import moving, seconds
 from twin.streams import Streams, Table
 
 LEAST_W, LEAST_SHARE = 1.0, 0.005
@@ -44,7 +44,7 @@ def slip(
         if window:
             axes.axvspan(*window, color="#f2f2f2", lw=0, zorder=0)
         estimate_lines(axes, estimates, "slip", "slip_sd", percent=True)
-        if truth is not None and "slip" in truth and "slip_causal" in bound:
+        if truth and "slip" in truth and "slip_causal" in bound:
             rows, reach = thinned(truth), 200.0 * bound["slip_causal"]
             edges = (100.0 * rows["slip"] - reach, 100.0 * rows["slip"] + reach)
             axes.fill_between(
@@ -74,7 +74,7 @@ def sideslip(truth: Table | None, estimates: Estimates) -> str:
 def path(truth: Table | None, streams: Streams) -> str:
     """Where it drove: GNSS antenna, and the rear-axle centre where truth is known."""
     has_fixes = "gnss" in streams and "east_m" in streams["gnss"]
-    has_truth = truth is not None and "east_m" in truth
+    has_truth = truth and "east_m" in truth
     if not (has_fixes or has_truth):
         return ""
 
@@ -83,7 +83,7 @@ def path(truth: Table | None, streams: Streams) -> str:
             fixes = thinned(streams["gnss"], MOST_FIXES)
             look: Any = {"marker": ".", "ms": 3.0, "lw": 0.0} if has_truth else {"lw": 0.8}
             axes.plot(fixes["east_m"], fixes["north_m"], color=SEA, label="antenna", **look)
-        if truth is not None and has_truth:
+        if truth and has_truth:
             rows = thinned(truth)
             axes.plot(rows["east_m"], rows["north_m"], color=TRUTH_COLOUR, label="truth, rear axle")
         axes.set(xlabel="east [m]", ylabel="north [m]")
@@ -94,7 +94,7 @@ def path(truth: Table | None, streams: Streams) -> str:
 
 def draft(truth: Table | None) -> str:
     """Draft, and below it depth."""
-    if truth is None or not np.any(np.abs(truth.get("draft_n", np.zeros(1))) > 1.0):
+    if not truth or not np.any(np.abs(truth.get("draft_n", np.zeros(1))) > 1.0):
         return ""
 
     def draw(upper: Axes, lower: Axes) -> None:
@@ -123,7 +123,7 @@ def speeds(truth: Table | None, estimates: Estimates) -> str:
 
 def power(truth: Table | None, window: tuple[float, float] | None) -> str:
     """Where power goes, means over the window: of the engine's, and of height and speed lost."""
-    if truth is None or window is None or "power_engine_w" not in truth:
+    if not truth or window is None or "power_engine_w" not in truth:
         return ""
     time = seconds(truth)
     part = {name: c[(time >= window[0]) & (time <= window[1])] for name, c in truth.items()}

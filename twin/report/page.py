@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from twin.plain import to_plain
+from twin.io.plain import to_plain
+from twin.io.run_folder import RunLike
 from twin.report import errors, figures
 from twin.report.html import document, made_with, table
 from twin.report.html import figures as figures_of
-from twin.runfolder import RunLike
-from twin.table import HEADERS, end_lines, score_rows, slip_lines
+from twin.scores.table import HEADERS, end_lines, score_rows, slip_lines
 
 SLIP_OVER_TIME = (
     "Black: truth. Bands: ±2 reported standard deviations; about the truth, ±2 of the causal "
@@ -30,7 +30,7 @@ def write(run: RunLike, scores: Mapping[str, Any], path: Path, command: str = ""
 
     Args:
         run: the run.
-        scores: as made by `twin.scores.score`.
+        scores: as made by `twin.scores.scores.score`.
         path: the .html file.
         command: what does it again; made of name and seed where none is given.
     """
@@ -107,20 +107,20 @@ def _found(scores: Mapping[str, Any]) -> str:
 def _figures(run: RunLike, scores: Mapping[str, Any]) -> Iterable[tuple[str, str, str]]:
     window = tuple(scores["window_s"]) if scores.get("window_s") else None
     truth, estimates, bound = run.truth, run.estimates, scores.get("bound") or {}
-    caption = SLIP_OVER_TIME if truth is not None else "Bands: ±2 reported standard deviations."
+    caption = SLIP_OVER_TIME if truth else "Bands: ±2 reported standard deviations."
     yield "Slip", figures.slip(truth, estimates, window, bound), caption
-    if truth is not None and window is not None:
+    if truth and window is not None:
         given: Any = (truth, estimates, window, bound)
         yield "Slip error", errors.slip_error(*given), ERROR_OVER_TIME
         yield "Distribution of the slip error", errors.histogram(*given), "In the scored window."
     yield "Sideslip", figures.sideslip(truth, estimates), "At the centre of gravity; + is left."
-    if truth is not None and window is not None:
+    if truth and window is not None:
         yield "Sideslip angle error", errors.angle_error(*given), ERROR_OVER_TIME
     yield "Path", figures.path(truth, run.streams), "East and north differ in scale."
     yield "Draft and depth", figures.draft(truth), ""
     yield "Speeds", figures.speeds(truth, estimates), "At the rear-axle centre."
     yield "Power", figures.power(truth, window), "Means within the scored window."
-    if truth is not None and window is not None:
+    if truth and window is not None:
         yield "Honesty", errors.nees(truth, estimates, window), HONESTY
 
 

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from twin.io.atomic import write_text
 from twin.report.draw import svg
 from twin.report.html import document, figures, made_with, table
-from twin.written import write_text
 
 Rows = Sequence[Mapping[str, Any]]
 
@@ -37,7 +37,7 @@ def write_intervals(
     Args:
         path: the .html file.
         title, about: heading, and what was done, in a sentence.
-        rows: as `twin.rows` has them, the interval in `low` and `high`.
+        rows: as `twin.io.result_rows` has them, the interval in `low` and `high`.
         command: what does it again.
         not_driven: runs that did not drive their course, and how each ended.
     """

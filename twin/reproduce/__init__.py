@@ -1,6 +1,6 @@
 """The papers' experiments, published figures and ours side by side.
 
-Each is a function `rows(trials, jobs) -> list of rows` as `twin.rows` writes them.
+Each is a function `rows(trials, jobs) -> list of rows` as `twin.io.result_rows` writes them.
 """
 
 REGISTRY: dict[str, str] = {

@@ -16,15 +16,15 @@ import numpy as np
 from joblib import delayed
 from scipy.stats import chi2
 
-from twin import truth
-from twin.machine.build import build
-from twin.machine.simulate import simulate
-from twin.many import many
-from twin.registry import load
+from twin.compute.parallel import many
+from twin.io.result_rows import row
+from twin.pipeline.named import load
 from twin.reproduce.cross_slope_trial import OWN, Calibrated, Estimate, Trial, trial
 from twin.reproduce.passes import NO_SENSORS
-from twin.rows import row
 from twin.scenario import Scenario
+from twin.simulation.build import build
+from twin.simulation.simulate import simulate
+from twin.truth import truth
 
 CELLS = ((9, "dry"), (18, "dry"), (9, "wet"), (18, "wet"))
 PUBLISHED_M = {

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from twin.camera import tracking
 from twin.camera.tracking import Tracker
-from twin.lookup import attribute
-from twin.registry import load
-from twin.run import run
+from twin.pipeline.named import load
+from twin.pipeline.run import run
+from twin.plugins.lookup import attribute
 from twin.scenario import Scenario
 from twin.sensors import Outage
 from twin.streams import Setup, Streams, Table

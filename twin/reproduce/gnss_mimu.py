@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from joblib import delayed
 
-from twin.many import many
-from twin.registry import load
-from twin.rows import row
-from twin.run import run
+from twin.compute.parallel import many
+from twin.io.result_rows import row
+from twin.pipeline.named import load
+from twin.pipeline.run import run
 from twin.scenario import Scenario
 from twin.sensors import Gnss, Sensors, Wheels
 

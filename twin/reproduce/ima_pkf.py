@@ -16,10 +16,10 @@ import numpy as np
 
 from scenarios.ima_pkf import Trial, noise_sd, simulate
 from scenarios.ima_pkf_signals import RATE_HZ, SD
+from twin.io.result_rows import row
 from twin.reproduce.ima_pkf_methods import READINGS, adaptive, beside
 from twin.reproduce.ima_pkf_rows import leads, measured, promises
 from twin.reproduce.ima_pkf_trials import mean_and_interval, study
-from twin.rows import row
 
 Rows = list[dict[str, Any]]
 

@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from joblib import delayed
 
-from twin.many import many
-from twin.registry import load
+from twin.compute.parallel import many
+from twin.io.result_rows import row
+from twin.pipeline.named import load
+from twin.pipeline.run import run
 from twin.reproduce.ima_pkf_trials import mean_and_interval
-from twin.rows import row
-from twin.run import run
-from twin.scores import score
+from twin.scores.scores import score
 from twin.streams import Setup, Table
 
 Rows = list[dict[str, Any]]

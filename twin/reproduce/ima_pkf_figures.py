@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 
 from scenarios.ima_pkf import Trial, simulate
 from scenarios.ima_pkf_signals import SETUP, streams
-from twin.palette import TRUTH_COLOUR, colours
-from twin.registry import load
+from twin.pipeline.named import load
 from twin.report.draw import svg
+from twin.report.palette import TRUTH_COLOUR, colours
 from twin.reproduce.ima_pkf_methods import ADAPTIVE
 
 METHODS = {"KF": "kf-z2", **ADAPTIVE}

@@ -14,7 +14,7 @@ from dataclasses import replace
 from typing import Any
 
 from scenarios.ima_pkf_signals import SD
-from twin.registry import load
+from twin.pipeline.named import load
 
 ADAPTIVE = {"PSO-PKF": "pso-pkf", "MA-PKF": "ma-pkf", "IMA-PKF": "ima-pkf"}
 """Name in the paper -> registered estimator, in the faithful reading."""

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any
 
+from twin.io.result_rows import row
 from twin.reproduce.ima_pkf_trials import Errors, mean_and_interval
-from twin.rows import row
 
 Rows = list[dict[str, Any]]
 

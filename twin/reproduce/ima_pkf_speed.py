@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from scenarios.ima_pkf import CLEAN
-from twin import study
-from twin.registry import load
-from twin.rows import row
+from twin import studies as study
+from twin.io.result_rows import row
+from twin.pipeline.named import load
 from twin.streams import Streams
 
 Rows = list[dict[str, Any]]

@@ -8,14 +8,14 @@ from itertools import pairwise
 from typing import Any
 
 from scenarios.ima_pkf import Trial
-from twin.registry import load
+from twin.pipeline.named import load
+from twin.pipeline.run import run
 from twin.report.draw import thinned
 from twin.reproduce import ima_pkf_figures as figures
 from twin.reproduce.ima_pkf import FIRST_SEED
 from twin.reproduce.ima_pkf_field import DEPTHS_CM, ESTIMATORS
 from twin.reproduce.ima_pkf_rows import ORDER, lead
 from twin.reproduce.story import Story
-from twin.run import run
 
 Rows = Sequence[Mapping[str, Any]]
 

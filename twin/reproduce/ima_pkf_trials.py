@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from scenarios.ima_pkf import Trial, setup, simulate
 from scenarios.ima_pkf_signals import streams
-from twin.many import many
+from twin.compute.parallel import many
 
 Array = NDArray[np.float64]
 

@@ -7,14 +7,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from twin import truth
 from twin.errors import BadInput
-from twin.machine.build import Machine, build
-from twin.machine.driver import full_depth_m
-from twin.machine.simulate import simulate
+from twin.machine.build import Machine
 from twin.scenario import Scenario
 from twin.sensors import Sensors
+from twin.simulation.build import build
+from twin.simulation.driver import full_depth_m
+from twin.simulation.simulate import simulate
 from twin.streams import Table
+from twin.truth import truth
 
 Array = NDArray[np.float64]
 

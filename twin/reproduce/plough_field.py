@@ -13,9 +13,9 @@ import numpy as np
 from joblib import delayed
 
 from scenarios import plough
-from twin.many import many
+from twin.compute.parallel import many
+from twin.io.result_rows import row
 from twin.reproduce.passes import Pass, drive
-from twin.rows import row
 from twin.scenario import Course, Scenario
 
 DEPTHS_CM = (15, 20, 25, 30)

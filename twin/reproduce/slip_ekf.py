@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 
 from estimators.bounds import bound
 from scenarios.ima_pkf import Trial
-from twin import scores
-from twin.many import many
-from twin.registry import load
+from twin.compute.parallel import many
+from twin.io.result_rows import row
+from twin.pipeline.named import load
+from twin.pipeline.run import run
 from twin.reproduce.ima_pkf_trials import study
-from twin.rows import row
-from twin.run import run
 from twin.scenario import Patch, Scenario
+from twin.scores import scores
 from twin.sensors import Outage
 from twin.streams import Streams, Table
 

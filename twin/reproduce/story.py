@@ -9,9 +9,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from twin.io.atomic import write_text
 from twin.report.html import document, made_with, table
 from twin.report.rows import band_figure, ratio_figure
-from twin.written import write_text
 
 Rows = Sequence[Mapping[str, Any]]
 

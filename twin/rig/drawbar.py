@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from twin.errors import BadInput, check_range
-from twin.machine.simulate import DECISION_S, Cab
 from twin.physics.block import MachineSlot, WheelSlot
 from twin.rig.tractor import Seen, drive, mean, statics, tractor
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import towed, wheel
 from twin.scenario import Drive, Soil
+from twin.simulation.simulate import DECISION_S, Cab
 
 Array = NDArray[np.float64]
 

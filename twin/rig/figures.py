@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from twin.palette import PICTURE, SEA, TRUTH_COLOUR, colours
+from twin.report.palette import PICTURE, SEA, TRUTH_COLOUR, colours
 from twin.rig.drawbar import DrawbarCurve
 from twin.rig.gears import Gears
 from twin.rig.park import Creep

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from twin.errors import BadInput, check_range
-from twin.machine.start import RAISED_RAD, refuse_warnings
+from twin.machine.start import RAISED_RAD
 from twin.rig.tractor import tractor
 from twin.scenario import Field, Soil
+from twin.simulation.settle import refuse_warnings
 
 Array = NDArray[np.float64]
 

@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import root
 
 from twin.errors import TwinError, check_range
-from twin.machine.simulate import Cab
 from twin.physics.block import WheelSlot
 from twin.rig.tractor import Statics, drive, mean, statics, tractor
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import towed, wheel
 from twin.scenario import Field, Soil
+from twin.simulation.simulate import Cab
 
 Array = NDArray[np.float64]
 

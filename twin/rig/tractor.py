@@ -9,13 +9,14 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.machine.build import Machine, build
+from twin.machine.build import Machine
 from twin.machine.plough_setting import GRAVITY_MPS2
-from twin.machine.simulate import DECISION_S, Cab
-from twin.machine.start import refuse_warnings
 from twin.physics import block
 from twin.physics.block import WheelSlot
 from twin.scenario import Course, Drive, Field, Scenario, Soil
+from twin.simulation.build import build
+from twin.simulation.settle import refuse_warnings
+from twin.simulation.simulate import DECISION_S, Cab
 
 Array = NDArray[np.float64]
 

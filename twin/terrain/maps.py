@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 
 from twin.errors import BadInput
-from twin.machine.route import extent_m
 from twin.scenario import Scenario
+from twin.scenario.route import extent_m
 from twin.terrain import random
 from twin.terrain.files import read_nodes
 from twin.terrain.grid import GridMap

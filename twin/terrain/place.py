@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from twin.physics.block import Grid
 from twin.terrain.envelope import envelope
 from twin.terrain.grid import GridMap
+
+Array = NDArray[np.float64]
 
 ENVELOPES = "envelopes"
 """The height field that holds what wheels feel of the heights."""
@@ -17,7 +18,7 @@ LEAST_RANGE = 1e-9
 """Range of a map that is the same everywhere: MuJoCo wants one."""
 
 
-def add_map(spec: Any, name: str, grid: GridMap) -> None:
+def add_map(spec: mujoco.MjSpec, name: str, grid: GridMap) -> None:
     """Add a map to a model's specification as a height field; whoever wants to see it adds a geom.
 
     Args:
@@ -36,7 +37,7 @@ def add_map(spec: Any, name: str, grid: GridMap) -> None:
     )
 
 
-def grid_part(model: Any, name: str, grid: GridMap, at: int) -> dict[Any, float]:
+def grid_part(model: mujoco.MjModel, name: str, grid: GridMap, at: int) -> dict[int, float]:
     """A map's numbers for the parameter block, from `at` on."""
     low, span = _range(grid)
     rows, columns = grid.nodes.shape
@@ -54,7 +55,7 @@ def grid_part(model: Any, name: str, grid: GridMap, at: int) -> dict[Any, float]
     return {at + name: value for name, value in values.items()}
 
 
-def add_envelopes(spec: Any, heights: GridMap, radii_m: tuple[float, ...]) -> None:
+def add_envelopes(spec: mujoco.MjSpec, heights: GridMap, radii_m: tuple[float, ...]) -> None:
     """Add the heights as wheels feel them, one below another: along and across for each radius.
 
     Scaled as the heights themselves, whose range they keep to.
@@ -72,7 +73,7 @@ def add_envelopes(spec: Any, heights: GridMap, radii_m: tuple[float, ...]) -> No
     )
 
 
-def first_envelope(model: Any) -> int:
+def first_envelope(model: mujoco.MjModel) -> int:
     """Number of the first node of the envelopes in hfield_data."""
     return int(model.hfield_adr[model.hfield(ENVELOPES).id])
 
@@ -81,7 +82,9 @@ def _range(grid: GridMap) -> tuple[float, float]:
     return float(grid.nodes.min()), max(float(np.ptp(grid.nodes)), LEAST_RANGE)
 
 
-def show_heights(spec: Any, grid: GridMap, rotation: np.ndarray, quaternion: Any) -> None:
+def show_heights(
+    spec: mujoco.MjSpec, grid: GridMap, rotation: np.ndarray, quaternion: Array
+) -> None:
     """A geom that shows the heights where they are; nothing touches it.
 
     Args:

@@ -10,7 +10,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 from scipy import fft
 
-from twin.scenario import ROUGHNESS
+from twin.scenario.field import ROUGHNESS
 
 Array = NDArray[np.float64]
 

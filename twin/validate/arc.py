@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from twin.soils import Deformable
+from twin.scenario.soils import Deformable
 
 
 @dataclass(frozen=True)

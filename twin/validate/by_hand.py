@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.machine.build import Machine
-from twin.machine.simulate import Cab
 from twin.machine.start import RAISED_RAD
 from twin.physics.block import MACHINE_SLOTS, WheelSlot
 from twin.rig.tyre import machine_tyre
 from twin.scenario import Soil
+from twin.simulation.simulate import Cab
 from twin.validate.brixius_forms import mobility
 
 Array = NDArray[np.float64]

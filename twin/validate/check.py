@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from twin.rows import row
+from twin.io.result_rows import row
 
 GRADES = {
     "measured": "the reference was measured on a real machine, tyre or instrument",
@@ -21,7 +21,7 @@ class Check:
     """One row of the page."""
 
     row: dict[str, Any]
-    """As `twin.rows` writes it."""
+    """As `twin.io.result_rows` writes it."""
     source: str
     """Where the reference comes from."""
     why: str

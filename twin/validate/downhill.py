@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from twin.machine.build import build
-from twin.machine.ends import OVERSPEED
-from twin.machine.simulate import simulate
 from twin.physics import block
 from twin.physics.engine import full_load_torque_nm
 from twin.scenario import Course, Drive, Field, Scenario, Soil
+from twin.simulation.build import build
+from twin.simulation.simulate import simulate
+from twin.trajectory.end import OVERSPEED
 from twin.validate.check import Check, near, within
 
 GRADES_DEG = (-6.0, -15.0)

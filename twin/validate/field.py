@@ -9,10 +9,7 @@ import numpy as np
 from joblib import delayed
 from numpy.typing import NDArray
 
-from twin import truth
-from twin.machine.build import build
-from twin.machine.simulate import simulate
-from twin.many import many
+from twin.compute.parallel import many
 from twin.reproduce import plough_field
 from twin.reproduce.passes import NO_SENSORS
 from twin.rig.drawbar import drawbar
@@ -20,6 +17,9 @@ from twin.rig.gears import gears
 from twin.rig.tractor import statics
 from twin.scenario import Drive, Scenario, Soil
 from twin.sensors import Gnss, gnss
+from twin.simulation.build import build
+from twin.simulation.simulate import simulate
+from twin.truth import truth
 from twin.validate.check import Check, within
 from twin.validate.fuel import full_load
 

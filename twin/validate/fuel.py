@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from twin.machine.build import build
 from twin.machine.fuel import fuel_lph
 from twin.rig.gears import Gears
 from twin.scenario import Scenario
+from twin.simulation.build import build
 from twin.validate.check import Check, near, within
 
 REDUCED = 0.32

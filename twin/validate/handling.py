@@ -9,12 +9,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.machine.build import Machine, build
-from twin.machine.driver import ackermann
+from twin.machine.build import Machine
 from twin.physics.block import Wheel
 from twin.rig.tractor import Statics, statics
 from twin.rig.tyre import machine_tyre
 from twin.scenario import Course, Drive, Scenario, Soil
+from twin.simulation.build import build
+from twin.simulation.driver import ackermann
 from twin.validate.brixius_forms import KINDS, stiffness
 from twin.validate.by_hand import hold, mobility_of, rolling
 from twin.validate.check import Check, near, within

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.machine.trajectory import Trajectory
 from twin.sensors import Gnss, Imu, gnss, imu
 from twin.streams import Table
+from twin.trajectory.trajectory import Trajectory
 from twin.validate.check import Check, near
 
 Array = NDArray[np.float64]

@@ -8,13 +8,14 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.machine.build import Machine, build
+from twin.machine.build import Machine
 from twin.physics.block import WheelSlot
 from twin.reproduce.passes import drive
 from twin.rig.tractor import tractor
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import wheel
 from twin.scenario import Course, Drive, Plough, Scenario, Soil
+from twin.simulation.build import build
 from twin.validate.by_hand import hold, parked, rolling, wheels
 from twin.validate.check import Check, within
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from twin.registry import load
+from twin.pipeline.named import load
 from twin.reproduce.cross_slope import FREE_WITHIN, PUBLISHED_M, SET_WITHIN, drive
 from twin.validate.check import Check, near
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from joblib import delayed
 
-from twin.many import many
+from twin.compute.parallel import many
 from twin.validate import (
     analytic,
     downhill,

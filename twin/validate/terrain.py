@@ -12,7 +12,8 @@ from scipy.signal import welch
 
 from twin.physics.block import WheelSlot
 from twin.rig.tractor import tractor
-from twin.scenario import ROUGHNESS, Field, Soil
+from twin.scenario import Field, Soil
+from twin.scenario.field import ROUGHNESS
 from twin.terrain.random import CELL_M, rough_heights
 from twin.validate.by_hand import parked, wheels
 from twin.validate.check import Check, near

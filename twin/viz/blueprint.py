@@ -24,6 +24,7 @@ from twin.viz.paths import (
     FURROW,
     GNSS,
     GYRO,
+    LAND,
     LOADS,
     PATH,
     POWER,
@@ -35,6 +36,7 @@ from twin.viz.paths import (
     SKY,
     SLIP,
     SPEED,
+    STEP,
     WHEELS,
     WORLD,
 )
@@ -89,7 +91,7 @@ def simulated(
         look_target=tuple(scale * c for c in ((1.2, 0.0, 0.0) if behind else (-0.6, 0.0, 0.0))),
         eye_up=(0.0, 0.0, 1.0),
     )
-    past = _past()
+    past, to_come = _seen("past"), _seen("to come")
     scene: rrb.View = rrb.Spatial3DView(
         origin=FOLLOW,
         contents=f"{WORLD}/**",
@@ -97,7 +99,7 @@ def simulated(
         eye_controls=eye,
         background=SKY,
         line_grid=False,
-        overrides={PATH: past, FURROW: past, GNSS: past},
+        overrides={PATH: past, FURROW: past, LAND: to_come, GNSS: past},
     )
     left: list[Any] = [scene, rrb.TextLogView(origin=EVENTS, name="Events")]
     if frames:
@@ -148,12 +150,12 @@ def logged(span: Table, setup: Setup, geodetic: bool) -> rrb.Blueprint:
     return _blueprint(left, tabs)
 
 
-def _past() -> rrb.VisibleTimeRanges:
-    return rrb.VisibleTimeRanges(
-        timeline=SIM_TIME,
-        start=rrb.TimeRangeBoundary.infinite(),
-        end=rrb.TimeRangeBoundary.cursor_relative(),
-    )
+def _seen(what: str) -> rrb.VisibleTimeRanges:
+    """All that was logged before now, or all that is logged after; on both timelines."""
+    now, end = rrb.TimeRangeBoundary.cursor_relative(), rrb.TimeRangeBoundary.infinite()
+    start, stop = (end, now) if what == "past" else (now, end)
+    ranges = [rrb.VisibleTimeRange(timeline=t, start=start, end=stop) for t in (SIM_TIME, STEP)]
+    return rrb.VisibleTimeRanges(ranges)
 
 
 def _lost_fix(truth: Table, streams: Streams) -> bool:

@@ -14,7 +14,7 @@ from twin.viz.paths import EVENTS
 from twin.viz.tools import times
 
 if TYPE_CHECKING:
-    from twin.machine.ends import End
+    from twin.trajectory.end import End
 
 Array = NDArray[Any]
 

@@ -11,21 +11,28 @@ import rerun as rr
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from twin.scenario import FURROW_SIDES
+from twin.scenario.plough import FURROW_SIDES
 from twin.streams import Table
 from twin.viz.bodies import Bodies
-from twin.viz.paths import FURROW, GROUND
+from twin.viz.furrows import (
+    BANK_M,
+    PLOUGHED_M,
+    Cut,
+    Pass,
+    leaning_rad,
+    left_by,
+    worked_by,
+)
+from twin.viz.paths import FURROW, GROUND, LAND
 from twin.viz.tools import every, position_w, times
 
 Array = NDArray[Any]
 
 CELL_M, FAR_CELL_M, FINE_M, FAR_M = 0.3, 3.0, 7.0, 45.0
 """Mesh near the path and beyond it, and how far each reaches."""
-FURROW_AT_M, FURROW_WIDTH_M = 0.72, 0.45
-"""Wall and width of the last furrow beside the line, as drawn."""
-SHALLOWEST_M, STRIPS_HZ, LEAN_RAD = 0.05, 2.0, 0.6
-SLICE_HALF_WIDTH = 0.61
-"""Half the width of a slice, as it leans, over that of its body."""
+SHALLOWEST_M, STRIPS_HZ = 0.05, 2.0
+SHADES = np.array([1.0, 0.88, 1.06, 0.94])
+"""Brightness of slices that lie side by side."""
 COLOURS = {"asphalt": (104, 104, 108), "gravel": (150, 141, 128), "grass": (118, 142, 84)}
 SOIL, OTHER, WET, TURNED = (176, 152, 118), (118, 96, 76), (140, 122, 104), (104, 77, 54)
 
@@ -48,131 +55,174 @@ class Ground:
         return np.asarray(local @ self.world_from_ground.T)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Cut:
-    """An open furrow: where its wall is, and from when on and over which stretch it lies there."""
-
-    from_ns: int
-    wall_m: float
-    low_m: float
-    high_m: float
-
-
 def log_ground(recording: rr.RecordingStream, truth: Table, scenario: Any, ground: Ground) -> None:
     """A mesh of the ground about the path: fine beside it, coarse beyond; soils by colour.
 
-    With several passes it is drawn anew at the start of each, with what the one before has cut.
+    With several passes it is drawn anew at the start of each, with what the one before has cut. The
+    furrows of a pass are open from its start; `log_ploughing` lays the land over them that is still
+    to be ploughed, and the slices into them that were turned.
     """
-    place = position_w(every(truth, 1.0)) @ ground.world_from_ground
-    side, found = cuts(every(truth, 1.0), scenario, ground)
+    moments = every(truth, 1.0)
+    place = position_w(moments) @ ground.world_from_ground
+    found = worked(moments, scenario, ground)
     edge_m = getattr(getattr(scenario, "course", None), "edge_m", None)
     s_m = _nodes(place[:, 0], edge_m is None, 1.0)
     t_m = _nodes(place[:, 1], edge_m is None, 0.0)
     if edge_m is not None:
         t_m = np.linspace(-edge_m, edge_m, 21)
-    elif found:  # the mesh has lines where walls stand
-        walls_m = np.array([cut.wall_m for cut in found])[:, None]
-        edges_m = walls_m + side * np.array([0.0, 0.04, FURROW_WIDTH_M, FURROW_WIDTH_M + 0.05])
-        t_m = np.unique(np.concatenate([t_m, edges_m.ravel()]))
+    elif found and ground.bodies is not None:
+        t_m = _with_edges(t_m, found, ground.bodies, scenario)
     s, t = np.meshgrid(s_m, t_m, indexing="ij")  # (n, m)
-    width_m = 1.0 if ground.bodies is None else ground.bodies.width_m  # nothing is cut without
     triangles = rr.Mesh3D.from_fields(triangle_indices=_triangles(len(s_m), len(t_m)))
     recording.log(GROUND, triangles, static=True)
     for k in range(max(1, len(found))):
-        lifted_m = _lifted_m(scenario, side, found[: k + 1], width_m, s, t)
+        lifted_m, cut = _lifted_m(scenario, ground, found, k, s, t)
         points = ground.surface_w(s, t, lifted_m)  # (n, m, 3)
         recording.send_columns(
             GROUND,
-            times({"epoch_ns": np.array([found[k].from_ns if k else truth["epoch_ns"][0]])}),
+            times({"epoch_ns": np.array([found[k][0].from_ns if k else truth["epoch_ns"][0]])}),
             rr.Mesh3D.columns(
                 vertex_positions=points.reshape(-1, 3).astype(np.float32),
                 vertex_normals=_normals(points).reshape(-1, 3).astype(np.float32),
-                vertex_colors=_colours(scenario, ground, s, t, lifted_m).reshape(-1, 3),
+                vertex_colors=_colours(scenario, ground, s, t, cut).reshape(-1, 3),
             ).partition([s.size]),
         )
 
 
-def cuts(moments: Table, scenario: Any, ground: Ground) -> tuple[int, list[Cut]]:
-    """The furrow beside each pass: the one that was there, then what each pass left for the next.
+def worked(moments: Table, scenario: Any, ground: Ground) -> list[tuple[Cut, Pass]]:
+    """The passes with a plough: the furrow that is there before each, and its way in the ground.
 
-    Returns:
-        side: of the line on which the first furrow lies, 1 left and -1 right; 0 without one.
-        cuts: in the order of the passes.
+    The first furrow was there; the others are what each pass left for the next.
     """
-    plough = getattr(scenario, "plough", None)
-    side = FURROW_SIDES.get(getattr(plough, "furrow", "none"), 0)
-    if plough is None or side == 0 or ground.bodies is None:
-        return 0, []
-    first_m = ground.bodies.ahead_m[0]
+    plough, bodies = getattr(scenario, "plough", None), ground.bodies
+    if plough is None or bodies is None:
+        return []
     local = position_w(moments) @ ground.world_from_ground
     deep = moments.get("depth_m", np.zeros(len(local))) > SHALLOWEST_M
     edges = np.flatnonzero(np.diff(deep.astype(int), prepend=0, append=0))  # in, out, in, out, ...
-    start_ns, low_m, high_m = int(moments["epoch_ns"][0]), scenario.course.approach_m - 2.0, np.inf
-    found = []
-    for first, last in zip(edges[::2], edges[1::2], strict=True):
-        s_m, t_m = local[first:last, 0], float(np.median(local[first:last, 1]))
-        wall_m = t_m + side * FURROW_AT_M
-        found.append(Cut(from_ns=start_ns, wall_m=wall_m, low_m=low_m, high_m=high_m))
-        start_ns = int(moments["epoch_ns"][last - 1])
-        low_m, high_m = float(s_m.min()) + first_m, float(s_m.max()) - first_m
+    start_ns, low_m, high_m = int(moments["epoch_ns"][0]), np.inf, np.inf
+    if FURROW_SIDES.get(getattr(plough, "furrow", "none"), 0) != 0:  # one before the first pass
+        low_m = scenario.course.approach_m - 2.0
+    found, last = [], Pass(s_m=np.zeros(0), t_m=np.zeros(0))
+    for first, end in zip(edges[::2], edges[1::2], strict=True):
+        s_m, t_m = local[first:end, 0], local[first:end, 1]
+        wall_m = float(np.median(t_m)) + bodies.side * bodies.wall_m
+        cut = Cut(from_ns=start_ns, wall_m=wall_m, low_m=low_m, high_m=high_m)
+        found.append((cut, Pass(s_m=s_m, t_m=t_m)))
+        start_ns = int(moments["epoch_ns"][end - 1])
+        behind_m = bodies.ahead_m[-1] if s_m[-1] >= s_m[0] else -bodies.ahead_m[-1]
+        low_m, high_m = float(s_m.min()) + behind_m, float(s_m.max()) + behind_m
     if not found:  # the plough never came down
-        found = [Cut(from_ns=start_ns, wall_m=side * FURROW_AT_M, low_m=low_m, high_m=high_m)]
-    return side, found
+        wall_m = bodies.side * bodies.wall_m
+        found = [(Cut(from_ns=start_ns, wall_m=wall_m, low_m=low_m, high_m=high_m), last)]
+    return found
 
 
-def log_furrow(recording: rr.RecordingStream, truth: Table, scenario: Any, ground: Ground) -> None:
-    """Turned slices behind the shares, which stay as time passes."""
+def log_ploughing(
+    recording: rr.RecordingStream, truth: Table, scenario: Any, ground: Ground
+) -> None:
+    """Slices that lie turned behind each body, and before it the land that it will cut.
+
+    Each piece is logged once, when the body is there: a slice is seen from then on, land until
+    then (`twin.viz.blueprint`).
+    """
     if ground.bodies is None:
         return
     moments = every(truth, STRIPS_HZ)
-    rows, centre, half_m, xyzw = slices(moments, scenario, ground, ground.bodies)
+    for entity, pieces, colour in (
+        (FURROW, slices(moments, scenario, ground, ground.bodies), TURNED),
+        (LAND, land(moments, scenario, ground, ground.bodies), _soil(scenario)),
+    ):
+        rows, centre, half_m, xyzw = pieces
+        if not len(rows):
+            continue
+        recording.send_columns(
+            entity,
+            times({"epoch_ns": moments["epoch_ns"][rows]}),
+            rr.Boxes3D.columns(
+                centers=centre.reshape(-1, 3), half_sizes=half_m.reshape(-1, 3),
+                quaternions=xyzw.reshape(-1, 4),
+            ).partition([ground.bodies.count] * len(rows)),
+        )  # fmt: skip
+        shade = SHADES[np.arange(ground.bodies.count) % len(SHADES)] if entity == FURROW else [1.0]
+        colours = (np.outer(shade, colour)).astype(np.uint8)
+        style = rr.Boxes3D.from_fields(colors=colours, fill_mode="solid")
+        recording.log(entity, style, static=True)
+
+
+Pieces = tuple[Array, Array, Array, Array]
+"""Rows of the moments in which the plough is in the ground (n,); centre (n, m, 3), half sizes
+(n, m, 3) and quaternion xyzw (n, m, 4) of a box for each of m bodies."""
+
+
+def slices(moments: Table, scenario: Any, ground: Ground, bodies: Bodies) -> Pieces:
+    """What the bodies turned over between moments: each slice leans on the one before.
+
+    A slice of width w and depth d stands on the sole at asin(d / w), its upper edge away from the
+    land; so it reaches from the sole up to w sin(a) + d cos(a).
+    """
+    rows, s, t, yaw, way = _at_the_bodies(moments, ground, bodies, bodies.open_m)
+    depth_m = np.maximum(moments.get("depth_m", np.zeros(1))[rows], SHALLOWEST_M)
+    half_m, xyzw = np.empty((len(rows), bodies.count, 3)), np.empty((len(rows), bodies.count, 4))
+    half_m[..., 0] = _reach_m(moments, rows)[:, None]
+    half_m[..., 1], half_m[..., 2] = 0.5 * bodies.width_m, 0.5 * depth_m[:, None]
     if not len(rows):
-        return
-    recording.send_columns(
-        FURROW,
-        times({"epoch_ns": moments["epoch_ns"][rows]}),
-        rr.Boxes3D.columns(
-            centers=centre.reshape(-1, 3), half_sizes=half_m.reshape(-1, 3),
-            quaternions=xyzw.reshape(-1, 4),
-        ).partition([ground.bodies.count] * len(rows)),
-    )  # fmt: skip
-    style = rr.Boxes3D.from_fields(colors=[[*TURNED, 255]], fill_mode="solid")
-    recording.log(FURROW, style, static=True)
+        return rows, np.empty((0, bodies.count, 3)), half_m, xyzw
+    lean = np.array([leaning_rad(d, bodies.width_m) for d in depth_m])
+    middle_m = 0.5 * (bodies.width_m * np.sin(lean) + depth_m * np.cos(lean)) - depth_m
+    leaning = Rotation.from_euler("ZX", np.stack([yaw, way * bodies.side * lean], axis=1))
+    turned = (Rotation.from_matrix(ground.world_from_ground) * leaning).as_quat()  # (n, 4)
+    xyzw[:] = turned[:, None]
+    return rows, ground.surface_w(s, t, middle_m[:, None]), half_m, xyzw
 
 
-def slices(
-    moments: Table, scenario: Any, ground: Ground, bodies: Bodies
-) -> tuple[Array, Array, Array, Array]:
-    """What the shares turned over between moments, each slice leaning on the one before.
+def land(moments: Table, scenario: Any, ground: Ground, bodies: Bodies) -> Pieces:
+    """What each body cuts between moments, as it lies before; the first one's up to the wall."""
+    over_m = np.zeros(bodies.count)
+    over_m[0] = bodies.wall_m - bodies.edge_m[0] - bodies.width_m
+    rows, s, t, yaw, _ = _at_the_bodies(moments, ground, bodies, 0.5 * over_m)
+    depth_m = getattr(getattr(scenario, "plough", None), "depth_m", 0.25)
+    half_m = np.empty((len(rows), bodies.count, 3))
+    half_m[..., 0] = _reach_m(moments, rows)[:, None]
+    half_m[..., 1], half_m[..., 2] = 0.5 * (bodies.width_m + over_m), 0.5 * depth_m
+    if not len(rows):
+        return rows, np.empty((0, bodies.count, 3)), half_m, np.empty((0, bodies.count, 4))
+    upright = Rotation.from_matrix(ground.world_from_ground) * Rotation.from_euler(
+        "Z", yaw[:, None]
+    )
+    xyzw = np.repeat(upright.as_quat()[:, None], bodies.count, axis=1)
+    return rows, ground.surface_w(s, t, -0.5 * depth_m), half_m, xyzw
+
+
+def _at_the_bodies(
+    moments: Table, ground: Ground, bodies: Bodies, aside_m: Array | float
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Where the bodies are while they are in the ground, or places beside them.
+
+    Args:
+        moments: of truth.
+        ground: what they stand on.
+        bodies: of the plough; on the way back it is turned over, and works to the same land.
+        aside_m: how far from each body to the side that it turns to.
 
     Returns:
-        rows: of the moments in which the plough is in the ground. Shape (n,).
-        centre, half sizes, quaternion xyzw of each slice. Shapes (n, m, 3), (n, m, 3), (n, m, 4)
-            for m bodies.
+        rows (n,); s and t (n, m); yaw (n,); way (n,), 1 there and -1 back.
     """
     rows = np.flatnonzero(moments.get("depth_m", np.zeros(1)) > SHALLOWEST_M)
     place = (position_w(moments) @ ground.world_from_ground)[rows]
-    yaw = _headings(moments, ground)
-    base = FURROW_SIDES.get(getattr(getattr(scenario, "plough", None), "furrow", "right"), -1) or -1
-    side = base * np.where(
-        np.cos(yaw[rows] - yaw[0]) > 0.0, 1.0, -1.0
-    )  # turned over on the way back
-    yaw, count = yaw[rows], bodies.count
-    number = 0.5 * (count + 1) - np.arange(count)  # the slice lies one width beside its body
-    aside_m = side[:, None] * number * bodies.width_m  # towards the furrow
+    yaws = _headings(moments, ground)
+    yaw = yaws[rows]
+    way = np.where(np.cos(yaw - yaws[0]) > 0.0, 1.0, -1.0)
     ahead_m = np.array(bodies.ahead_m)
-    s = place[:, :1] + np.cos(yaw)[:, None] * ahead_m - np.sin(yaw)[:, None] * aside_m
-    t = place[:, 1:2] + np.sin(yaw)[:, None] * ahead_m + np.cos(yaw)[:, None] * aside_m
-    reach_m = 0.6 * np.abs(moments["speed_mps"][rows]) / STRIPS_HZ + 0.05
-    half_m = np.empty((len(rows), count, 3))
-    half_m[:] = np.array([0.0, SLICE_HALF_WIDTH * bodies.width_m, 0.07])
-    half_m[..., 0] = reach_m[:, None]
-    if not len(rows):
-        return rows, np.empty((0, count, 3)), half_m, np.empty((0, count, 4))
-    leaning = Rotation.from_euler("ZX", np.stack([yaw, -LEAN_RAD * side], axis=1))
-    turned = (Rotation.from_matrix(ground.world_from_ground) * leaning).as_quat()  # (n, 4)
-    xyzw = np.repeat(turned[:, None], count, axis=1)
-    return rows, ground.surface_w(s, t, 0.05), half_m, xyzw
+    left_m = way[:, None] * bodies.side * (bodies.aside_m + aside_m)
+    s = place[:, :1] + np.cos(yaw)[:, None] * ahead_m - np.sin(yaw)[:, None] * left_m
+    t = place[:, 1:2] + np.sin(yaw)[:, None] * ahead_m + np.cos(yaw)[:, None] * left_m
+    return rows, s, t, yaw, way
+
+
+def _reach_m(moments: Table, rows: Array) -> Array:
+    """Half the length of a piece, so that it meets the next."""
+    return np.asarray(0.5 * np.abs(moments["speed_mps"][rows]) / STRIPS_HZ + 0.03)
 
 
 def _headings(truth: Table, ground: Ground) -> Array:
@@ -194,33 +244,54 @@ def _nodes(places: Array, field_beyond: bool, margin_m: float) -> Array:
     return np.concatenate([below, near, above])
 
 
+def _with_edges(t_m: Array, found: list[tuple[Cut, Pass]], bodies: Bodies, scenario: Any) -> Array:
+    """Lines of the mesh with some more: where walls stand, and at valleys and crests of slices."""
+    rising_m = bodies.width_m * np.cos(leaning_rad(scenario.plough.depth_m, bodies.width_m)) ** 2
+    valleys = np.arange(bodies.open_m + bodies.width_m, PLOUGHED_M, bodies.width_m)
+    last_m = bodies.wall_m - bodies.edge_m[-1]
+    edges = [
+        0.0, 0.04, bodies.open_m, bodies.open_m + BANK_M, *valleys,
+        *(valleys - bodies.width_m + rising_m), -last_m, -last_m + 0.04,
+    ]  # fmt: skip
+    walls_m = np.array([cut.wall_m for cut, _ in found])[:, None]
+    lines = np.concatenate([t_m, (walls_m + bodies.side * np.array(edges)).ravel()])
+    lines = np.unique(np.round(lines, 3))
+    return np.asarray(lines[np.append(True, np.diff(lines) > 0.005)])
+
+
 def _lifted_m(
-    scenario: Any, side: int, found: list[Cut], width_m: float, s: Array, t: Array
-) -> Array:
-    """Height of the ground above the field as it was: open furrow, and ridges of turned soil."""
-    ridges = 0.05 * np.sin(2.0 * np.pi * t / width_m) + 0.03 * np.sin(3.1 * s + 5.0 * t)
-    lifted = np.zeros_like(s)
-    for cut in found:
-        along = np.clip((s - cut.low_m) / 3.0, 0.0, 1.0) * np.clip((cut.high_m - s) / 3.0, 0.0, 1.0)
-        aside = side * (t - cut.wall_m)
-        open_ = (aside > 1e-6) & (aside < FURROW_WIDTH_M + 0.05)
-        turned = (aside >= FURROW_WIDTH_M + 0.05 - 1e-6) & (aside < 6.0)
-        cut_m = open_ * -scenario.plough.depth_m + turned * (ridges + 0.03)
-        lifted += along * (open_ | turned) * (cut_m - lifted)
-    return np.asarray(lifted)
+    scenario: Any, ground: Ground, found: list[tuple[Cut, Pass]], k: int, s: Array, t: Array
+) -> tuple[Array, Array]:
+    """Height of the ground above the field as it was, and where it was worked.
+
+    The furrows before pass k and those before it, and all that it and the later ones will open.
+    """
+    lifted, worked = np.zeros_like(s), np.zeros(s.shape, bool)
+    if not found or ground.bodies is None:
+        return lifted, worked
+    bodies, depth_m = ground.bodies, scenario.plough.depth_m
+    done = [left_by(cut, bodies, depth_m, s, t) for cut, _ in found[: k + 1]]
+    to_come = [worked_by(way, bodies, depth_m, s, t, slices=False)[:2] for _, way in found[k:]]
+    for height, here in (*done, *to_come):
+        lifted, worked = np.where(here, height, lifted), worked | here
+    return lifted, worked
 
 
-def _colours(scenario: Any, ground: Ground, s: Array, t: Array, lifted: Array) -> Array:
+def _soil(scenario: Any) -> tuple[int, int, int]:
+    """Colour of the land."""
+    return COLOURS.get(getattr(getattr(scenario, "soil", None), "preset", ""), SOIL)
+
+
+def _colours(scenario: Any, ground: Ground, s: Array, t: Array, cut: Array) -> Array:
     """Colour of each node: the soil, the other soil, weaker stretches, what was ploughed."""
-    preset = getattr(getattr(scenario, "soil", None), "preset", "")
-    colour = np.broadcast_to(np.array(COLOURS.get(preset, SOIL), float), (*s.shape, 3))
+    colour = np.broadcast_to(np.array(_soil(scenario), float), (*s.shape, 3))
     mixture = ground.maps.get("mixture")
     if mixture is not None:
         colour = _blend(colour, OTHER, mixture.at(s, t))
     for patch in getattr(getattr(scenario, "field", None), "patches", ()):
         inside = (s >= patch.start_m) & (s <= patch.start_m + patch.length_m)
         colour = _blend(colour, WET, inside * float(patch.friction_factor < 1.0))
-    colour = _blend(colour, TURNED, np.abs(lifted) > 1e-6)
+    colour = _blend(colour, TURNED, cut)
     grain = np.random.default_rng(0).normal(1.0, 0.035, s.shape)[..., None]
     return np.clip(colour * grain, 0.0, 255.0).astype(np.uint8)
 

@@ -9,8 +9,8 @@ import numpy as np
 import rerun as rr
 
 from twin.streams import Frames, Streams
-from twin.viz.paths import CAMERA, ORANGE, SIM_TIME, STEP
-from twin.viz.tools import STEP_S
+from twin.viz.paths import CAMERA, ORANGE
+from twin.viz.tools import set_time
 
 WIDTH_PX, QUALITY = 480, 80
 ARROW_PX_PER_MPS = 120.0
@@ -24,9 +24,7 @@ def log_frames(recording: rr.RecordingStream, streams: Streams, frames: Frames) 
         row = rows.get(number)
         if row is None:
             continue
-        time_s = float(camera["epoch_ns"][row]) * 1e-9
-        recording.set_time(SIM_TIME, duration=time_s)
-        recording.set_time(STEP, sequence=round(time_s / STEP_S))
+        set_time(recording, int(camera["epoch_ns"][row]))
         image = frames[number]
         height_px = round(WIDTH_PX * image.shape[0] / image.shape[1])
         small = cv2.resize(image, (WIDTH_PX, height_px), interpolation=cv2.INTER_AREA)

@@ -9,8 +9,8 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from twin.palette import SEA, colours
-from twin.scores import moving
+from twin.report.palette import SEA, colours
+from twin.scores.scores import moving
 from twin.streams import WHEELS as WHEEL_NAMES
 from twin.streams import Setup, Streams, Table
 from twin.viz.paths import (

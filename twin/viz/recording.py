@@ -11,13 +11,13 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from twin.runfolder import RunLike
+from twin.io.run_folder import RunLike
 from twin.streams import Setup, Streams, Table
 from twin.viz import forces, plots, scene, tracks
 from twin.viz.blueprint import logged, simulated
 from twin.viz.bodies import bodies
 from twin.viz.events import drive_events, events, log_events
-from twin.viz.ground import Ground, log_furrow, log_ground
+from twin.viz.ground import Ground, log_ground, log_ploughing, worked
 from twin.viz.paths import APPLICATION, WORLD
 from twin.viz.pictures import log_frames
 from twin.viz.tools import every
@@ -33,6 +33,7 @@ def record(
     path: Path,
     *,
     model: Any | None = None,
+    turned: Any | None = None,
     ground: Ground | None = None,
     control: Table | None = None,
 ) -> None:
@@ -42,6 +43,7 @@ def record(
         run: with truth (pose and joint columns).
         path: the .rrd file.
         model: compiled mujoco.MjModel whose visual geoms are drawn; None draws the path alone.
+        turned: the same with its plough turned over, as it works on every other pass.
         ground: what it drives on; None is a level plane. Its plough's bodies are the model's.
         control: a controller's actions, and the terms `reward_<term>` of what they earned.
     """
@@ -60,7 +62,7 @@ def record(
         recording.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
         moments = every(truth, POSE_RATE_HZ)
         log_ground(recording, truth, scenario, ground)
-        log_furrow(recording, truth, scenario, ground)
+        log_ploughing(recording, truth, scenario, ground)
         tracks.log_path(recording, truth, lower_m, scale)
         tracks.log_no_sideslip(recording, truth, lower_m, scale)
         tracks.log_estimated(recording, run.estimates, streams, truth, lower_m, scale)
@@ -68,7 +70,8 @@ def record(
         scene.log_frame(recording, moments, run.setup)
         forces.log_forces(recording, moments, run.setup)
         if model is not None:
-            scene.log_machine(recording, moments, model)
+            begins = [cut.from_ns for cut, _ in worked(every(truth, 1.0), scenario, ground)]
+            scene.log_machine(recording, moments, model, turned if begins else None, begins)
         if frames:
             log_frames(recording, streams, frames)
         log_events(recording, events(truth, streams, scenario, getattr(run, "end", None)))

@@ -2,30 +2,54 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from twin.palette import SEA
+from twin.report.palette import SEA
 from twin.streams import Setup, Table
 from twin.viz.paths import FOLLOW, TRACTOR
-from twin.viz.shapes import Shapes, body_poses, log_shapes
+from twin.viz.shapes import Shapes, body_poses, log_shapes, looks_alike
 from twin.viz.tools import axes_w, position_w, rgba, times
 
 Array = NDArray[Any]
 
 
-def log_machine(recording: rr.RecordingStream, truth: Table, model: Any) -> None:
-    """Every body of the model that can be seen, where truth says it was."""
-    shapes = Shapes.of(model)
+def log_machine(
+    recording: rr.RecordingStream,
+    truth: Table,
+    model: Any,
+    turned: Any | None = None,
+    from_ns: Sequence[int] = (),
+) -> None:
+    """Every body of the model that can be seen, where truth says it was.
+
+    Args:
+        recording: what is written.
+        truth: with pose and joint columns.
+        model: of the machine.
+        turned: the same machine with its plough turned over, as it is on every other pass.
+        from_ns: when each pass begins.
+    """
+    shapes, epoch_ns = Shapes.of(model), truth["epoch_ns"]
     positions_w, world_from_body = body_poses(model, truth)  # (n, nbody, 3), (n, nbody, 4)
+    if turned is not None:
+        back = np.searchsorted(np.array(from_ns), epoch_ns, side="right") % 2 == 0
+        back &= epoch_ns >= from_ns[0]
+        rows = {name: column[back] for name, column in truth.items()}
+        positions_w[back], world_from_body[back] = body_poses(turned, rows)
     for body, name in shapes.bodies.items():
-        log_shapes(recording, f"{TRACTOR}/{name}", shapes, body)
-        _send_poses(
-            recording, f"{TRACTOR}/{name}", truth, positions_w[:, body], world_from_body[:, body]
-        )
+        entity = f"{TRACTOR}/{name}"
+        if turned is None or looks_alike(model, turned, body):
+            log_shapes(recording, entity, shapes, body)
+        else:
+            both = (shapes, Shapes.of(turned))
+            for k, begin_ns in enumerate(from_ns):
+                log_shapes(recording, entity, both[k % 2], body, begin_ns)
+        _send_poses(recording, entity, truth, positions_w[:, body], world_from_body[:, body])
 
 
 def log_frame(recording: rr.RecordingStream, truth: Table, setup: Setup) -> None:

@@ -11,6 +11,7 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from twin.streams import Table
+from twin.viz.tools import set_time
 
 Array = NDArray[Any]
 
@@ -89,20 +90,41 @@ def joint_states(model: Any, truth: Table) -> Array:
     return states
 
 
-def log_shapes(recording: rr.RecordingStream, entity: str, shapes: Shapes, body: int) -> None:
-    """The geoms of one body, static in its frame: those of a kind together, each mesh alone."""
-    model = shapes.model
+def log_shapes(
+    recording: rr.RecordingStream,
+    entity: str,
+    shapes: Shapes,
+    body: int,
+    from_ns: int | None = None,
+) -> None:
+    """The geoms of one body in its frame: those of a kind together, each mesh alone.
+
+    Static; or from a time on, for a body whose looks change.
+    """
+    model, static = shapes.model, from_ns is None
+    if from_ns is not None:
+        set_time(recording, from_ns)
     kinds: dict[int, list[int]] = {}
     for number, g in enumerate(shapes.geoms[body]):
         if int(model.geom_type[g]) == int(_KINDS.mjGEOM_MESH):
             name = _plain(model.geom(g).name) or f"geom_{number}"
             for part in (_mesh(model, g), _placement(model.geom_pos[g], model.geom_quat[g])):
-                recording.log(f"{entity}/{name}", part, static=True)
+                recording.log(f"{entity}/{name}", part, static=static)
         else:
             kinds.setdefault(int(model.geom_type[g]), []).append(g)
     for kind, geoms in kinds.items():
         name, shape = _batch(model, _KINDS(kind), np.array(geoms))
-        recording.log(f"{entity}/{name}", shape, static=True)
+        recording.log(f"{entity}/{name}", shape, static=static)
+    recording.reset_time()
+
+
+def looks_alike(model: Any, other: Any, body: int) -> bool:
+    """Whether the geoms of a body stand the same in two models of one machine."""
+    mine = model.geom_bodyid == body
+    return bool(
+        np.array_equal(model.geom_pos[mine], other.geom_pos[mine])
+        and np.array_equal(model.geom_quat[mine], other.geom_quat[mine])
+    )
 
 
 def _plain(name: str) -> str:

@@ -25,6 +25,13 @@ def times(table: Mapping[str, Array]) -> list[rr.TimeColumn]:
     return [rr.TimeColumn(SIM_TIME, duration=time_s), rr.TimeColumn(STEP, sequence=steps)]
 
 
+def set_time(recording: rr.RecordingStream, epoch_ns: int) -> None:
+    """What is logged next is of this time."""
+    time_s = float(epoch_ns) * 1e-9
+    recording.set_time(SIM_TIME, duration=time_s)
+    recording.set_time(STEP, sequence=round(time_s / STEP_S))
+
+
 def every(table: Table, rate_hz: float) -> Table:
     """At most `rate_hz` rows a second, the last one included."""
     epoch_ns = table["epoch_ns"]

@@ -9,7 +9,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from twin.palette import SEA, colours
+from twin.report.palette import SEA, colours
 from twin.streams import Setup, Streams, Table
 from twin.viz.paths import ESTIMATES, GNSS, MAP, NO_SIDESLIP, ORANGE, PATH
 from twin.viz.tools import axes_w, every, position_w, rgba, times
@@ -108,7 +108,7 @@ def log_gnss(
     up_m = fixes.get("up_m", np.zeros(len(fixes["epoch_ns"])))
     points = np.stack([fixes["east_m"], fixes["north_m"], up_m], axis=1)
     kept = np.isfinite(points).all(axis=1)
-    if truth is not None:
+    if truth:
         kept &= fixes["epoch_ns"] >= truth["epoch_ns"][0]
     if not np.any(kept):
         return

@@ -7,9 +7,9 @@ import numpy as np
 from estimators.odometry import odometry
 from estimators.odometry.lens import Lens
 from tests.sensors.trajectories import drive
-from twin.machine.trajectory import Trajectory
 from twin.sensors import camera
 from twin.sensors.camera import Camera
+from twin.trajectory.trajectory import Trajectory
 
 CAMERA = replace(Camera(), mount_yaw_sd_rad=0.0, mount_tilt_sd_rad=0.0)
 LENS = Lens.of(camera.setup(CAMERA))

@@ -13,8 +13,8 @@ from estimators.odometry import odometry, symmetric
 from estimators.odometry.lens import Lens, evened
 from estimators.odometry.streams import SLOW_S, Gyros, integrate
 from tests.sensors.trajectories import drive
-from twin.machine.trajectory import Trajectory
 from twin.sensors import camera
+from twin.trajectory.trajectory import Trajectory
 
 BINNED = replace(CAMERA, binning=4)
 PIXEL_MPS = 0.5 / 320.91 * 30.0

@@ -1,0 +1,88 @@
+"""Means, intervals and paired differences over seeds."""
+
+import math
+
+import numpy as np
+import pytest
+
+from twin.io import result_rows as rows_file
+from twin.studies import figures, groups, quantities, rows, summary
+
+RNG = np.random.default_rng(0)
+
+
+def row(seed, estimator, rmse, error=None, scenario="s", friction=0.6):
+    return {
+        "scenario": scenario, "seed": seed, "soil.friction": friction, "estimator": estimator,
+        "error": error, "ended": "course driven", "slip.rmse": rmse, "sideslip_m.true_m": None,
+    }  # fmt: skip
+
+
+def test_the_interval_holds_the_mean_in_95_percent_of_studies():
+    held = 0
+    for _ in range(2000):
+        found = summary.mean(RNG.normal(3.0, 2.0, 5))
+        held += found.low <= 3.0 <= found.high
+    assert 0.935 < held / 2000 < 0.965  # three sd of a binomial
+
+
+def test_of_one_value_the_interval_is_unknown_and_of_none_all_is():
+    assert summary.mean([2.0]).mean == 2.0
+    assert math.isnan(summary.mean([2.0]).low)
+    assert math.isnan(summary.mean([]).mean)
+
+
+def test_groups_differ_in_all_but_the_seed():
+    table = [row(s, e, 1.0, friction=f) for f in (0.6, 0.8) for s in (0, 1) for e in ("a", "b")]
+    found = groups(table, ["soil.friction"])
+    assert [(g.setting, g.estimator) for g in found] == [
+        ("s, soil.friction = 0.6", "a"), ("s, soil.friction = 0.6", "b"),
+        ("s, soil.friction = 0.8", "a"), ("s, soil.friction = 0.8", "b"),
+    ]  # fmt: skip
+    assert all(len(g.rows) == 2 for g in found)
+    assert quantities(table, ["soil.friction"]) == ["slip.rmse"]
+
+
+def test_failed_runs_are_counted_and_left_out_of_the_mean():
+    table = [row(0, "a", 1.0), row(1, "a", 3.0), row(2, "a", None, "Diverged"), row(3, "a", np.nan)]
+    found = {r["quantity"]: r for r in rows(groups(table, []), ["slip.rmse"])}
+    assert (found["runs"]["ours"], found["failed"]["ours"]) == (4, 1)
+    assert found["slip.rmse"]["ours"] == 2.0
+    half = 12.706 * np.sqrt(2.0) / np.sqrt(2.0)  # t(0.975, 1)
+    assert found["slip.rmse"]["high"] == pytest.approx(2.0 + half, rel=1e-4)
+
+
+def test_differences_are_paired_by_seed():
+    """A spread that both share is none of their difference."""
+    common = RNG.normal(0.0, 5.0, 8)
+    table = [row(s, "a", 1.0 + common[s]) for s in range(8)]
+    table += [row(s, "b", common[s]) for s in range(1, 8)]
+    found = {(r["case"], r["quantity"]): r for r in rows(groups(table, []), ["slip.rmse"], "b")}
+    difference = found["s, a", "slip.rmse less that of b"]
+    assert difference["ours"] == pytest.approx(1.0)
+    assert difference["high"] - difference["low"] < 1e-9
+    assert ("s, b", "slip.rmse less that of b") not in found
+    rows_file.to_json(found.values())
+
+
+@pytest.mark.parametrize(
+    ("quantity", "unit"),
+    [
+        ("slip.rmse", "1"), ("sideslip_m.true_m", "m"), ("sideslip_m.rel_err", "1"),
+        ("sideslip_angle_rad.rmse", "rad"), ("speed_mps.bias", "m/s"), ("speed_mps.nees_mean", "1"),
+        ("truth.mean_speed_kmh", "km/h"), ("truth.draft_mean_kn", "kN"), ("truth.slip_sd", "1"),
+    ],
+)  # fmt: skip
+def test_units_are_read_off_the_name(quantity, unit):
+    table = [row(0, "a", 1.0) | {quantity: 2.0}]
+    assert rows(groups(table, []), [quantity])[-1]["unit"] == unit
+
+
+@pytest.mark.parametrize("swept", [[], ["soil.friction"]])
+def test_a_figure_of_what_was_measured_and_none_of_what_was_not(tmp_path, swept):
+    table = [row(s, e, 0.1 * s, friction=f) for s in range(3) for e in "ab" for f in (0.6, 0.8)]
+    found = groups(table, swept)
+    assert figures.draw(found, "slip.rmse", tmp_path / "a.png", label="RMSE")
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    assert not figures.draw(found, "sideslip_m.true_m", tmp_path / "b.png", label="m")
+    assert not (tmp_path / "b.png").exists()

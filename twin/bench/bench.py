@@ -1,0 +1,245 @@
+"""What `twin bench` measures: a physics step, speed and memory of a whole run, a study's speed.
+
+Compared figures are measured in turn in one process, and the best of many short stretches counts,
+because the machine's other work only ever adds time.
+"""
+
+from __future__ import annotations
+
+import pickle
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import mujoco
+
+from twin import sensors
+from twin.camera.tracking import ODOMETRY
+from twin.env import speed
+from twin.io import run_folder as runfolder
+from twin.io.result_rows import row
+from twin.machine.build import Machine
+from twin.machine.files import model_path
+from twin.machine.geometry import geometry
+from twin.pipeline.named import load
+from twin.pipeline.result import Result
+from twin.pipeline.run import run, sense
+from twin.plugins.lookup import attribute
+from twin.reproduce import ima_pkf_speed
+from twin.scenario import Course, Field, Scenario, Soil
+from twin.simulation.build import build
+from twin.simulation.simulate import Cab
+from twin.streams import Streams
+
+STRETCHES, STEPS = 60, 200
+NO_SENSORS = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
+
+
+def rows() -> list[dict[str, Any]]:
+    """All measurements, as rows with their bounds."""
+    own = [*step_rows(), *estimator_rows(), *run_rows(), *camera_rows()]
+    return [*own, *speed.rows(), *ima_pkf_speed.rows()]
+
+
+def step_rows() -> list[dict[str, Any]]:
+    """Time of a step while ploughing, against MuJoCo's own contacts, and of what adds to it."""
+    rough = load("scenario", "plough-25cm")
+    grounds = {
+        "rough": rough,
+        "plane": replace(rough, field=Field()),
+        "soil map": load("scenario", "plough-patchy"),
+        "bekker": replace(rough, soil=Soil(preset="lete-sand", law="bekker")),
+        "brixius": replace(rough, soil=Soil(preset="lete-sand", cone_index_kpa=1200.0)),
+    }
+    cases = [*(_ploughing(scenario) for scenario in grounds.values()), _native()]
+    times = _best(*(partial(mujoco.mj_step, *case, STEPS) for case in cases))
+    own_us, plane_us, map_us, bekker_us, brixius_us, native_us = times
+    case = "physics step, ploughing, sensors off"
+    return [
+        row(case, "time with the soil law", own_us, "us"),
+        row(case, "time on MuJoCo's own contacts", native_us, "us"),
+        row(case, "ratio", own_us / native_us, "1", high=0.8),
+        row(case, "time on a height field over a plane's", own_us / plane_us, "1", high=1.2),
+        row(case, "the same with a map of two soils", map_us / plane_us, "1"),
+        row(case, "time by Bekker-Wong over Brixius'", bekker_us / brixius_us, "1", high=2.0),
+    ]
+
+
+def _ploughing(scenario: Scenario) -> tuple[Any, Any]:
+    """A ploughing machine at its depth, sensors off."""
+    cab = Cab(build(scenario))
+    while cab.observe().depth_m < 0.24:
+        cab.act()
+    model = cab.batch.get_model(0)
+    model.opt.disableflags = NO_SENSORS
+    return model, cab.batch.get_data(0)
+
+
+def _native() -> tuple[Any, Any]:
+    """The machine's scene as it stands in plain MuJoCo, settled, then rolling at 1.5 m/s."""
+    spec = mujoco.MjSpec.from_file(str(model_path("taishan_1404a").parent / "scene.xml"))
+    spec.compiler.discardvisual = True  # as ours is compiled: looks cost time and change nothing
+    model = spec.compile()
+    model.opt.disableflags = NO_SENSORS
+    state = mujoco.MjData(model)
+    mujoco.mj_step(model, state, 2000)
+    state.qvel[0] = 1.5
+    for wheel, radius_m in (("fl", 0.62), ("fr", 0.62), ("rl", 0.83), ("rr", 0.83)):
+        state.joint(f"taishan_1404a/{wheel}_spin").qvel[0] = 1.5 / radius_m
+    return model, state
+
+
+def _best(*actions: Callable[[], None]) -> list[float]:
+    """Shortest time of each action per step [us], the actions taken in turn."""
+    best = [float("inf")] * len(actions)
+    for _ in range(STRETCHES):
+        for i, action in enumerate(actions):
+            start = time.perf_counter()
+            action()
+            best[i] = min(best[i], (time.perf_counter() - start) / STEPS * 1e6)
+    return best
+
+
+def estimator_rows() -> list[dict[str, Any]]:
+    """Time of the slip filter per wheel sample, compiled before, and the size of its state."""
+    scenario = replace(load("scenario", "plough-25cm"), course=Course(length_m=60.0))
+    done = run(scenario, estimators={})
+    estimator = load("estimator", "slip-ekf")
+    fresh = estimator.init(done.setup)
+    state, table = estimator.run(fresh, done.streams)
+    best_s = float("inf")
+    for _ in range(5):
+        start = time.perf_counter()
+        estimator.run(fresh, done.streams)
+        best_s = min(best_s, time.perf_counter() - start)
+    case = "slip-ekf, 50 Hz wheels, 50 Hz IMU, 20 Hz GNSS"
+    per_sample_us = best_s / len(table["epoch_ns"]) * 1e6
+    state_mb = len(pickle.dumps(state)) / 1e6
+    return [
+        row(case, "time per wheel sample, its reading included", per_sample_us, "us", high=10.0),
+        row(case, "state", state_mb, "MB", high=1.0),
+    ]
+
+
+def run_rows() -> list[dict[str, Any]]:
+    """Speed and memory of a whole run, files written, imports and compiling done before."""
+    scenario = load("scenario", "plough-25cm")
+    with tempfile.TemporaryDirectory() as folder:
+        short = replace(scenario, course=Course(length_m=5.0))
+        saved(short, Path(folder) / "first")
+        start = time.perf_counter()
+        done = saved(scenario, Path(folder) / "second")
+        wall_s = time.perf_counter() - start
+        simulated_s = float(done.truth["epoch_ns"][-1]) * 1e-9
+        recording = Path(folder) / "second" / runfolder.RECORDING
+        recording_mb = recording.stat().st_size / 1e6
+        recording_s = _recording_s(done, recording)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    peak_mb = peak / (1e6 if sys.platform == "darwin" else 1e3)
+    case, over = "plough-25cm, files written", wall_s / (wall_s - recording_s)
+    return [
+        row(case, "simulated time per wall time", simulated_s / wall_s, "1", low=30.0),
+        row(case, "wall time", wall_s, "s"),
+        row(case, "peak memory", peak_mb, "MB", high=700.0),
+        row(case, "time with the recording over that without", over, "1", high=1.3),
+        row(case, "recording, for 200 m of ploughing", recording_mb, "MB", high=25.0),
+    ]
+
+
+def saved(scenario: Scenario, directory: Path) -> Result:
+    """A run with all its files."""
+    done = run(scenario, estimators={n: load("estimator", n) for n in ("ratio", "four-state")})
+    done.save(directory)
+    return done
+
+
+def _recording_s(done: Result, path: Path) -> float:
+    """Least time in which a run's recording is written."""
+    best_s = float("inf")
+    for _ in range(3):
+        start = time.perf_counter()
+        done.record(path)
+        best_s = min(best_s, time.perf_counter() - start)
+    return best_s
+
+
+CAMERA_RUN = "slope-9-dry"
+FRAME_MS = 15.0
+MEMORY_OF = """
+import resource, sys
+from twin.bench.bench import whole_frames
+from twin.simulation.build import build
+from twin.pipeline.run import sense
+sense(build(whole_frames(float(sys.argv[1]))), ("rl", "rr"), lambda *_: None)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+
+
+def whole_frames(calibration_m: float, odometry: str = "phase-ecc") -> Scenario:
+    """A run on the platform whose camera gives every pixel: 1280 x 800 at 30 frames/s."""
+    named: Scenario = load("scenario", CAMERA_RUN)
+    camera = named.sensors.camera
+    assert camera is not None
+    whole = replace(camera, binning=1, odometry=odometry)
+    return replace(
+        named,
+        course=replace(named.course, calibration_m=calibration_m),
+        sensors=replace(named.sensors, camera=whole),
+    )
+
+
+def camera_rows() -> list[dict[str, Any]]:
+    """Pace of drawing and odometry together, time of odometry alone, and memory."""
+    machine = build(whole_frames(0.0))
+    _sense(replace(machine, scenario=replace(machine.scenario, course=Course(length_m=1.0))))
+    start = time.perf_counter()
+    simulated_s = _sense(machine)
+    wall_s = time.perf_counter() - start
+    short_mb, long_mb = (_peak_mb(calibration_m) for calibration_m in (0.0, 20.0))
+    case = f"{CAMERA_RUN}, camera of 1280 x 800 at 30 frames/s"
+    return [
+        row(case, "simulated time per wall time", simulated_s / wall_s, "1", low=1.0),
+        row(case, "odometry of a frame", _odometry_ms(), "ms", high=FRAME_MS),
+        row(case, "peak memory", long_mb, "MB", high=1000.0),
+        row(case, "peak memory over that of a fifth as long a run", long_mb / short_mb, "1",
+            high=1.1),
+    ]  # fmt: skip
+
+
+def _sense(machine: Machine) -> float:
+    """Drive a machine with its sensors; the time driven [s]."""
+    _, true, *_ = sense(machine, ("rl", "rr"), lambda *_: None)
+    return float(true["epoch_ns"][-1] - true["epoch_ns"][0]) * 1e-9
+
+
+def _odometry_ms() -> float:
+    """Median time of a frame's odometry, the frames drawn before."""
+    machine = build(whole_frames(0.0, odometry="none"))
+    short = replace(machine.scenario, course=Course(length_m=2.0))
+    streams, *_ = sense(replace(machine, scenario=short), ("rl", "rr"), lambda *_: None)
+    drawn = {} if streams.frames is None else {n: streams.frames[n] for n in streams.frames}
+    seen = Streams({n: streams[n] for n in ("camera", "imu")}, drawn)
+    odometry = attribute("odometry", ODOMETRY)
+    setup = sensors.setup(machine.scenario.sensors, geometry(machine))
+    state, times = odometry.init(setup, "phase-ecc"), []
+    for chunk in seen.chunks(1):
+        start = time.perf_counter()
+        state, table = odometry.run(state, chunk)
+        if len(table["epoch_ns"]):
+            times.append(time.perf_counter() - start)
+    return 1e3 * statistics.median(times)
+
+
+def _peak_mb(calibration_m: float) -> float:
+    """Most memory of a process of its own that drives the run [MB]."""
+    command = [sys.executable, "-c", MEMORY_OF, str(calibration_m)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return float(done.stdout) / (1e6 if sys.platform == "darwin" else 1e3)

@@ -1,0 +1,1 @@
+"""Compiling with numba, and many runs in processes."""

@@ -1,0 +1,168 @@
+"""One run from end to end: machine, sensors, truth, estimators."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections import ChainMap
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+from twin import sensors
+from twin.camera import tracking
+from twin.camera.frames import DrawnFrames
+from twin.camera.tracking import Tracker
+from twin.machine.build import Machine
+from twin.machine.geometry import geometry
+from twin.pipeline.estimating import Estimator, all_estimates
+from twin.pipeline.result import Measured, Result
+from twin.pipeline.unread import refuse_unread
+from twin.plugins.failing import failing
+from twin.plugins.percent import percent_note
+from twin.scenario import Scenario
+from twin.scenario.route import length_m
+from twin.sensors import Sensors
+from twin.simulation import calibration
+from twin.simulation.braking import asked_mps
+from twin.simulation.build import build
+from twin.simulation.driver import full_depth_m
+from twin.simulation.notes import notes, unheld
+from twin.streams import Frames, Setup, Streams, Table, concatenate
+from twin.trajectory.end import End
+from twin.truth import truth
+
+Progress = Callable[[float, float], None]
+"""Told the share of the course driven, 0 to 1, and the time driven [s]."""
+KEPT_EVERY = 10
+"""Of the camera's frames every so many are kept to be looked at."""
+
+
+def run(
+    scenario: Scenario | Measured,
+    *,
+    estimators: Mapping[str, Estimator],
+    progress: Progress | None = None,
+    frames: Path | None = None,
+) -> Result:
+    """Drive a scenario, sense it, and estimate from what was sensed.
+
+    Args:
+        scenario: what is driven, with its seed.
+        estimators: by name; each sees the set-up and the streams, nothing else.
+        progress: told how far it is.
+        frames: folder where the camera's frames are saved as PNG.
+
+    Raises:
+        BadInput: a field is set that the run would not read, or the signals fail; says which and
+            where. An estimator that fails gives NaN and a note.
+        Diverged: the simulation left the finite numbers; its evidence repeats the last second.
+    """
+    start = time.perf_counter()
+    end, said, kept = None, tuple[str, ...](), None
+    refuse_unread(scenario)
+    if isinstance(scenario, Scenario):
+        scenario = scenario.with_numbers()
+        machine = build(scenario)
+        nominal = geometry(machine)
+        setup = sensors.setup(scenario.sensors, nominal)
+        streams, true, kept, ends = sense(machine, nominal.driven, progress or _silent, frames)
+        *before, end = ends
+        said = notes(machine) + unheld(asked_mps(machine), true)
+        said += tuple(f"calibration: {leg}" for leg in before if not leg.as_planned)
+    else:
+        setup, streams, true = _measured(scenario)
+        odd = percent_note("slip of the truth", true, streams)
+        said = () if odd is None else (odd,)
+    done = all_estimates(estimators, setup, streams)
+    start_ns = int(true["epoch_ns"][0])
+    return Result(
+        scenario,
+        setup,
+        streams,
+        true,
+        {name: _of_the_run(table, start_ns) for name, table in done.tables.items()},
+        wall_s=time.perf_counter() - start,
+        end=end,
+        frames=kept,
+        notes=(*said, *done.notes),
+        failed=done.failed,
+    )
+
+
+def _measured(scenario: Measured) -> tuple[Setup, Streams, Table]:
+    """The signals of a scenario without a machine. Raises BadInput where they cannot be had."""
+    with failing(f"scenario '{scenario.name}': measure", scenario):
+        setup, streams, true = scenario.measure()
+    return setup, streams, true
+
+
+def _silent(fraction: float, driven_s: float) -> None:
+    """No progress is shown."""
+
+
+def sense(
+    machine: Machine,
+    driven: tuple[str, ...],
+    progress: Progress,
+    frames: Path | None = None,
+) -> tuple[Streams, Table, Frames | None, list[End]]:
+    """Drive a machine, after its calibration.
+
+    Args:
+        machine: what is driven.
+        driven: its driven wheels.
+        progress: told how far it is.
+        frames: folder where the camera's frames are saved as PNG.
+
+    Returns:
+        What its sensors gave, the truth of the run, a few of its camera's frames, and how each
+        leg of the calibration and, last, the run ended.
+    """
+    scenario = machine.scenario
+    recording, run_chunks = calibration.run_chunks(machine)
+    fitted = sensors.faults_from(scenario.sensors, recording.start_ns * 1e-9)
+    state = sensors.init(fitted, scenario.seed)
+    tracker = _tracker(fitted, machine, frames)
+    course_m, driven_m, driven_s = length_m(scenario), 0.0, 0.0
+    streams, parts, kept, ends = [], [], list[Frames](), list[End]()
+    with ThreadPoolExecutor(1) as pool:
+        for chunk in itertools.chain(recording.chunks(), run_chunks):
+            state, sampled = sensors.sample(fitted, state, chunk)
+            if isinstance(sampled.frames, DrawnFrames) and chunk.epoch_ns[0] >= recording.start_ns:
+                kept.append(sampled.frames.every(KEPT_EVERY))
+            sampled = recording.recorded(sampled)
+            if tracker is not None:
+                tracker, sampled = tracking.track(tracker, sampled, pool)
+            streams.append(sampled)
+            if chunk.end is not None:
+                ends.append(chunk.end)
+            if chunk.epoch_ns[0] >= recording.start_ns:
+                parts.append(truth.sample(chunk, driven))
+                place_w = chunk["position_w"]
+                driven_m += float(np.linalg.norm(place_w[-1] - place_w[0]))
+                driven_s = float(chunk.epoch_ns[-1] - recording.start_ns) * 1e-9
+                progress(min(1.0, driven_m / course_m), driven_s)
+    plough = scenario.plough
+    full_m = None if plough is None else full_depth_m(plough.depth_m, plough.hitch)
+    progress(1.0, driven_s)
+    table = truth.integrate(truth.concatenate(parts), full_m)
+    true = {name: np.ascontiguousarray(c) for name, c in table.items()}
+    shown = ChainMap(*kept) if kept else None  # type: ignore[arg-type,var-annotated]
+    return concatenate(streams), true, shown, ends
+
+
+def _tracker(fitted: Sensors, machine: Machine, frames: Path | None) -> Tracker | None:
+    camera = fitted.camera
+    if camera is None:
+        return None
+    setup = sensors.setup(fitted, geometry(machine))
+    return tracking.tracker(setup, camera.odometry, camera.processing_s, frames)
+
+
+def _of_the_run(estimates: Table, start_ns: int) -> Table:
+    """Estimates from the run's first instant on: what was said in the calibration is no result."""
+    kept = estimates["epoch_ns"] >= start_ns
+    return {name: column[kept] for name, column in estimates.items()}

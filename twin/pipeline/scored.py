@@ -1,0 +1,47 @@
+"""The scores of a result: every estimator against the truth, the bound, and how it ended."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+from twin.pipeline.result import Result
+from twin.plugins.lookup import attribute
+from twin.scores import scores
+from twin.streams import Table
+
+BOUND = "estimators.bounds:bound"
+"""The bound is found by name: this package knows no estimator."""
+
+
+def run_scores(result: Result) -> scores.Scores:
+    """Scores of a simulated run inside the window of its scenario."""
+    scenario, truth = result.scenario, result.truth
+    assert scenario is not None, "a run has its scenario"
+    unscored = scores.why_unscored(truth, scenario, result.end)
+    scored = truth if unscored is None else None
+    window = scores.scored_window_s(truth, scenario)
+    table = scores.score(
+        scored, result.estimates, scenario=scenario.name, seed=scenario.seed, window=window
+    )
+    return table | {
+        "bound": None if scored is None else bound(result, scored, window),
+        "ended": result.ended,
+        "end": None if result.end is None else result.end.plain(),
+        "unscored": unscored,
+        "notes": list(result.notes),
+    }
+
+
+def log_scores(result: Result) -> scores.Scores:
+    """Scores of a log where it has a reference, and what was found of it."""
+    table = scores.score(result.truth, result.estimates, scenario=result.name, seed=None)
+    return table | dict(result.found) | {"notes": list(result.notes)}
+
+
+def bound(result: Result, truth: Table, window_s: tuple[float, float]) -> dict[str, float] | None:
+    """Smallest errors that the sensors allow, by name; None where the window is too short."""
+    try:
+        found = asdict(attribute("bound", BOUND)(result.setup, result.streams, truth, window_s))
+    except ValueError:
+        return None
+    return {name: float(value) for name, value in found.items() if value == value}

@@ -1,0 +1,9 @@
+"""What a run is made of: machine, ground, implement, course, sensors and a seed."""
+
+from twin.scenario.course import Course, Drive
+from twin.scenario.field import Field, Patch
+from twin.scenario.plough import Plough
+from twin.scenario.scenario import MACHINES, Scenario
+from twin.scenario.soil import Soil
+
+__all__ = ["MACHINES", "Course", "Drive", "Field", "Patch", "Plough", "Scenario", "Soil"]

@@ -1,0 +1,81 @@
+"""How the tractor is driven, and where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from twin.errors import BadInput, OutOfRange, check_range
+
+LEAST_APPROACH_M = 15.0
+"""Shortest approach after a turn [m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """How the tractor is driven: one gear, one throttle setting, held through the run.
+
+    The driver brakes where the ground drives the engine above that setting.
+    """
+
+    gear_ratio: float = 66.0
+    """Engine turns per turn of the rear axle [-]."""
+    engine_set_rpm: float = 1665.0
+    """No-load speed the governor is set to [rpm]."""
+    all_wheel_drive: bool = False
+    """Engage the front axle."""
+    differential_lock: bool = True
+    """Turn both rear wheels together."""
+    exhaust_brake: bool = False
+    """Close the exhaust brake of a diesel while the wheels drive it; an option of the machine."""
+
+    def __post_init__(self) -> None:
+        check_range("drive.gear_ratio", self.gear_ratio, 15.0, 300.0)
+        check_range("drive.engine_set_rpm", self.engine_set_rpm, 300.0, 3000.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Course:
+    """Where it is driven: a straight line, or several side by side with turns between.
+
+    With a plough, an approach first with the plough raised.
+    """
+
+    approach_m: float = 15.0
+    """Distance before the plough is lowered, or before the scored part [m]."""
+    length_m: float = 200.0
+    """Length of the scored part; with a plough, the ploughed length [m]."""
+    passes: int = 1
+    """How often the field is crossed, up and down, with turns on the headlands between."""
+    heading_deg: float = 0.0
+    """Direction of the line, counter-clockwise from east [deg]."""
+    start_left_m: float = 0.0
+    """Where the rear axle starts, left of the line [m]."""
+    hold_line: bool = True
+    """Steer along the line; if not, the wheels point straight ahead and the heading is free."""
+    edge_m: float | None = None
+    """The run ends when a corner of the machine is so far beside the line [m]; None for a field."""
+    calibration_m: float = 0.0
+    """Drive so far out and back on level ground before the run [m], all the calibration there is;
+    the estimators see it, and it is not scored."""
+
+    def __post_init__(self) -> None:
+        check_range("course.approach_m", self.approach_m, 0.0, 500.0)
+        check_range("course.start_left_m", self.start_left_m, -50.0, 50.0)
+        if self.edge_m is not None:
+            check_range("course.edge_m", self.edge_m, 0.5, 100.0)
+        check_range("course.length_m", self.length_m, 1.0, 5000.0)
+        check_range("course.passes", self.passes, 1, 100)
+        if self.passes > 1 and self.approach_m < LEAST_APPROACH_M:
+            raise OutOfRange(
+                "course.approach_m", f"{self.approach_m:g}",
+                f"[{LEAST_APPROACH_M:g}, 500] with course.passes = {self.passes}: after a turn the "
+                "line has to be found",
+            )  # fmt: skip
+        if self.passes > 1 and (self.edge_m is not None or not self.hold_line):
+            raise BadInput(
+                f"course.passes = {self.passes} needs a driver who holds the line on a field "
+                "without an edge"
+            )
+        if self.calibration_m:
+            check_range("course.calibration_m", self.calibration_m, 5.0, 500.0)
+        check_range("course.heading_deg", self.heading_deg, -180.0, 180.0)

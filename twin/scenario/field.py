@@ -1,0 +1,110 @@
+"""The shape of the ground, and stretches of it where the soil differs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from twin.errors import BadInput, OutOfRange, UnknownName, check_range
+from twin.scenario.soil import CONE_INDICES_KPA, FRICTIONS, Soil
+from twin.scenario.soils import Preset
+
+ROUGHNESS = {"smooth": 0.0, **{c: 16e-6 * 4.0**i for i, c in enumerate("ABCDEF")}}
+"""G_d(n0) at n0 = 0.1 cycles/m [m3]: geometric means of ISO 8608's classes."""
+MOST_PATCHES = 4
+
+
+@dataclass(frozen=True, kw_only=True)
+class Patch:
+    """A stretch of the course where the soil differs."""
+
+    start_m: float
+    """Where it begins, along the course [m]."""
+    length_m: float
+    friction_factor: float = 1.0
+    """Friction there, over that of the soil around."""
+    cone_index_factor: float = 1.0
+    """Cone index there, over that of the soil around."""
+
+    def __post_init__(self) -> None:
+        check_range("patch.start_m", self.start_m, -1000.0, 10000.0)
+        check_range("patch.length_m", self.length_m, 0.5, 10000.0)
+        check_range("patch.friction_factor", self.friction_factor, 0.1, 2.0)
+        check_range("patch.cone_index_factor", self.cone_index_factor, 0.1, 4.0)
+
+
+SOFT = Soil(preset="soft")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Field:
+    """The shape of the ground."""
+
+    cross_slope_deg: float = 0.0
+    """Slope across the course [deg]; positive rises to the left."""
+    grade_deg: float = 0.0
+    """Slope along the course [deg]; positive rises ahead."""
+    roughness_class: str = "smooth"
+    """Roughness of the surface by ISO 8608, A to F; "smooth" is a plane."""
+    height_map: str | None = None
+    """Your own heights above the plane: a .npy file of metres, columns along the course, rows
+    across it from the right, its middle on the line. Instead of a roughness class."""
+    soil_map: str | None = None
+    """Where `other_soil` is: a .npy file of shares from 0 to 1, laid as `height_map`."""
+    map_cell_m: float = 0.25
+    """Distance between the nodes of your maps [m]."""
+    map_start_m: float = -10.0
+    """Where their first column lies along the course [m]; past their border its value goes on."""
+    other_share: float = 0.0
+    """Share of the ground covered by patches of `other_soil`, made from the seed [-]."""
+    other_length_m: float = 10.0
+    """Size of those patches [m]."""
+    other_soil: Soil = SOFT
+    """The soil of the map or the patches: its law, friction, strength and scale of the draft. What
+    varies with place, and rocks, are those of `soil` everywhere."""
+    patches: tuple[Patch, ...] = ()
+    """Stretches of other soil, four at most; overlapping ones multiply."""
+
+    def __post_init__(self) -> None:
+        check_range("field.cross_slope_deg", self.cross_slope_deg, -25.0, 25.0)
+        check_range("field.grade_deg", self.grade_deg, -15.0, 15.0)
+        if len(self.patches) > MOST_PATCHES:
+            raise OutOfRange("field.patches", len(self.patches), f"0 to {MOST_PATCHES} patches")
+        if self.roughness_class not in ROUGHNESS:
+            raise UnknownName("roughness class", self.roughness_class, ROUGHNESS)
+        if self.height_map is not None and self.roughness_class != "smooth":
+            raise BadInput(
+                f"field.height_map goes without field.roughness_class = {self.roughness_class}: "
+                "the map has its own roughness; leave one of them"
+            )
+        if self.soil_map is not None and self.other_share > 0.0:
+            raise BadInput(
+                f"field.soil_map goes without field.other_share = {self.other_share:g}: the map "
+                "says where the other soil is; leave one of them"
+            )
+        check_range("field.map_cell_m", self.map_cell_m, 0.02, 10.0)
+        check_range("field.map_start_m", self.map_start_m, -1000.0, 1000.0)
+        check_range("field.other_share", self.other_share, 0.0, 0.9)
+        check_range("field.other_length_m", self.other_length_m, 1.0, 100.0)
+
+
+def check_patches(soil: Preset, patches: tuple[Patch, ...]) -> None:
+    """Refuse patches on which the soil would leave the ranges it is held to elsewhere.
+
+    Raises:
+        OutOfRange: friction or cone index of the soil times the factors of a patch, and of those
+            that overlap it.
+    """
+    factors = {"friction": FRICTIONS, "cone_index_kpa": CONE_INDICES_KPA}
+    for i, patch in enumerate(patches):
+        here = [p for p in patches if p.start_m <= patch.start_m < p.start_m + p.length_m]
+        for name, (low, high) in factors.items():
+            kind = f"{name.removesuffix('_kpa')}_factor"
+            factor = math.prod(getattr(p, kind) for p in here)
+            value = getattr(soil, name) * factor
+            if not (math.isnan(value) or low <= value <= high):
+                raise OutOfRange(
+                    f"field.patches[{i}].{kind}", f"{factor:g}",
+                    f"what soil.{name} = {getattr(soil, name):g} allows: times the factor it is "
+                    f"{value:g}, and [{low:g}, {high:g}] would do",
+                )  # fmt: skip

@@ -1,0 +1,283 @@
+"""Scores: each estimate against the truth at its own epoch, inside a stated window.
+
+Pure functions on tables. A NaN, in the estimate or in the truth, is left out and counted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.streams import Table
+
+if TYPE_CHECKING:
+    from twin.trajectory.end import End
+
+Array = NDArray[np.float64]
+Scores: TypeAlias = dict[str, Any]
+"""The tree of scores.json: numbers, text and None by name."""
+
+SETTLE_S = 5.0
+"""Without ploughing the first seconds are a start from standstill and are not scored [s]."""
+SETTLE_M = 5.0
+"""Distance after the plough is at full depth that is not scored [m]."""
+LEAST_S = 1.0
+"""Of a run that ended early, less than this is not scored [s]."""
+SLOW_MPS = 0.3
+"""Below this estimated speed an estimated slip is not worth showing [m/s]; scores count it."""
+SMALLEST_TOTAL_M = 0.05
+"""Totals smaller than this have no relative error [m]."""
+
+
+def seconds(table: Table) -> Array:
+    """Epochs of a table in seconds. Shape (n,)."""
+    return np.asarray(table["epoch_ns"], np.float64) * 1e-9
+
+
+def window_s(truth: Table, *, settle_s: float = SETTLE_S) -> tuple[float, float]:
+    """From 5 m after the plough is at full depth to the end; without a plough from `settle_s`.
+
+    Args:
+        truth: with epoch_ns, speed_mps and, where it ploughs, `ploughing`: true from full
+            depth on.
+        settle_s: time left out at the start of a run that does not plough [s].
+    """
+    time = seconds(truth)
+    if len(time) == 0:
+        return 0.0, 0.0
+    start = _start_of_ploughing_s(truth, time)
+    start = time[0] + settle_s if start is None else start
+    return float(min(start, time[-1])), float(time[-1])
+
+
+def scored_window_s(truth: Table, scenario: Any) -> tuple[float, float]:
+    """`window_s`, or all of a short run.
+
+    On a platform the run is short and its totals count from its start; signals without a machine
+    have no standstill to start from.
+    """
+    course = getattr(scenario, "course", None)
+    short = course is None or course.edge_m is not None
+    return window_s(truth, settle_s=0.0) if short else window_s(truth)
+
+
+def why_unscored(truth: Table, scenario: Any, end: End | None) -> str | None:
+    """Why a run that ended early leaves nothing to score; None where there is enough."""
+    if end is None or not end.early:
+        return None
+    ploughs = getattr(scenario, "plough", None) is not None
+    if ploughs and not np.any(truth["ploughing"]):
+        return "it ended before the plough was at its full depth"
+    first_s, last_s = scored_window_s(truth, scenario)
+    if last_s - first_s >= LEAST_S:
+        return None
+    begins = "its start"
+    if ploughs:
+        begins = f"the first {SETTLE_M:g} m at full depth"
+    elif scenario.course.edge_m is None:
+        begins = f"the first {SETTLE_S:g} s"
+    return f"it drove less than {LEAST_S:g} s beyond {begins}"
+
+
+def _start_of_ploughing_s(truth: Table, time: Array) -> float | None:
+    ploughing = truth.get("ploughing")
+    if ploughing is None or not np.any(ploughing):
+        return None
+    first = int(np.argmax(ploughing))
+    travelled = distance_m(truth)
+    beyond = np.flatnonzero(travelled >= travelled[first] + SETTLE_M)
+    return float(time[beyond[0]]) if len(beyond) else float(time[-1])
+
+
+def moving(table: Table) -> Table:
+    """The table without slip where it hardly moves: a ratio of two noises says nothing."""
+    if "slip" not in table or "speed_mps" not in table:
+        return table
+    with np.errstate(invalid="ignore"):
+        slow = np.abs(table["speed_mps"]) < SLOW_MPS
+    return {**table, "slip": np.where(slow, np.nan, table["slip"])}
+
+
+def distance_m(truth: Table) -> Array:
+    """Distance travelled since the first row: integral of |speed| by trapezoids [m]. Shape (n,)."""
+    speed = np.nan_to_num(np.abs(truth["speed_mps"]))
+    steps = 0.5 * (speed[1:] + speed[:-1]) * np.diff(seconds(truth))
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def score(
+    truth: Table | None,
+    estimates: Mapping[str, Table],
+    *,
+    scenario: str,
+    seed: int | None,
+    window: tuple[float, float] | None = None,
+) -> Scores:
+    """Scores of all estimators, as written to scores.json.
+
+    Args:
+        truth: truth of a simulation, reference of a log, or None (then nothing is scored).
+        estimates: estimator name -> estimates.
+        scenario: its name.
+        seed: its seed; None for a log.
+        window: first and last epoch that count [s]; by default that of `window_s`.
+    """
+    head = {"scenario": scenario, "seed": seed}
+    if not truth or len(truth["epoch_ns"]) == 0:
+        return head | {"window_s": None, "truth": {}, "estimators": {n: {} for n in estimates}}
+    span = window if window is not None else window_s(truth)
+    return head | {
+        "window_s": list(span),
+        "truth": truth_summary(truth, span),
+        "estimators": {n: estimator_scores(truth, t, span) for n, t in estimates.items()},
+    }
+
+
+def truth_summary(truth: Table, window: tuple[float, float]) -> dict[str, float | None]:
+    """What was driven inside the window: means, spreads and totals; None where it has none."""
+    part = _cut(truth, window)
+    speed_mps, slip, draft_n, depth_m = (
+        _finite(part.get(c)) for c in ("speed_mps", "slip", "draft_n", "depth_m")
+    )
+    mean_draft_n = _mean(draft_n)
+    pulls = mean_draft_n is not None and abs(mean_draft_n) > 1.0
+    return {
+        "mean_speed_kmh": _scaled(_mean(speed_mps), 3.6),
+        "slip_mean": _mean(slip),
+        "slip_sd": _sd(slip),
+        "draft_mean_kn": _scaled(mean_draft_n, 1e-3) if pulls else None,
+        "draft_cv": _sd(draft_n) / mean_draft_n if pulls else None,  # type: ignore[operator]
+        "depth_mean_m": _mean(depth_m) if pulls else None,
+        "depth_sd_m": _sd(depth_m) if pulls else None,
+        "distance_m": float(distance_m(part)[-1]) if len(speed_mps) else None,
+        "sideslip_m": _total(part, "sideslip_m"),
+        "sideslip_rear_m": _total(part, "sideslip_rear_m"),
+    }
+
+
+def estimator_scores(
+    truth: Table, estimates: Table, window: tuple[float, float]
+) -> dict[str, Scores]:
+    """Errors of slip and sideslip angle, and of the sideslip totals, where truth has them."""
+    part = _cut(estimates, window)
+    found: dict[str, Scores] = {}
+    for key, column, sd in (
+        ("slip", "slip", "slip_sd"),
+        ("sideslip_angle_rad", "sideslip_rad", "sideslip_sd_rad"),
+        ("sideslip_rear_angle_rad", "sideslip_rear_rad", ""),
+        ("speed_mps", "speed_mps", ""),
+    ):
+        if column in part and column in truth:
+            error = part[column] - at(truth, column, part["epoch_ns"])
+            found[key] = error_scores(error, part.get(sd))
+    for column in ("sideslip_m", "sideslip_rear_m"):
+        if column in part and column in truth:
+            found[column] = total_scores(truth, part, column)
+    return found
+
+
+def at(table: Table, column: str, epoch_ns: NDArray[np.int64]) -> Array:
+    """A column at other epochs, linear between rows; NaN outside the table and beside a NaN."""
+    start = table["epoch_ns"][0]
+    own = (table["epoch_ns"] - start).astype(np.float64)  # exact: below 2**53 ns = 104 days
+    values: Array = np.interp(
+        (epoch_ns - start).astype(np.float64),
+        own,
+        table[column].astype(np.float64),
+        left=np.nan,
+        right=np.nan,
+    )
+    return values
+
+
+def error_scores(error: Array, sd: Array | None = None) -> Scores:
+    """Size of an error, and whether the reported standard deviation agrees with it.
+
+        rmse = sqrt(mean e**2)   mae = mean |e|   max = max |e|   bias = mean e
+        p999 = 0.999 quantile of |e|
+        coverage_2sd = share of |e| <= 2 sd   (0.954 for an honest Gaussian)
+        nees_mean = mean (e / sd)**2          (1 for an honest one)
+
+    Args:
+        error: estimate - truth. Shape (n,).
+        sd: reported standard deviation, same unit. Shape (n,).
+    """
+    known = np.isfinite(error)
+    e = error[known]
+    counts = {"n": len(e), "n_nan": int(np.sum(~known))}
+    if len(e) == 0:
+        return dict.fromkeys(("rmse", "mae", "max", "bias", "p999")) | counts
+    size = np.abs(e)
+    result: Scores = {
+        "rmse": float(np.sqrt(np.mean(e**2))),
+        "mae": float(np.mean(size)),
+        "max": float(np.max(size)),
+        "bias": float(np.mean(e)),
+        "p999": float(np.quantile(size, 0.999)),
+        **counts,
+    }
+    return result if sd is None else result | _honesty(error, sd)
+
+
+def _honesty(error: Array, sd: Array) -> dict[str, float | None]:
+    known = np.isfinite(error) & np.isfinite(sd) & (sd > 0.0)
+    if not np.any(known):
+        return {"coverage_2sd": None, "nees_mean": None}
+    ratio = error[known] / sd[known]
+    return {
+        "coverage_2sd": float(np.mean(np.abs(ratio) <= 2.0)),
+        "nees_mean": float(np.mean(ratio**2)),
+    }
+
+
+def total_scores(truth: Table, estimates: Table, column: str) -> dict[str, float | None]:
+    """A running total's change over the window, true and estimated between the same epochs.
+
+    rel_err = |est_m - true_m| / |true_m|, None where |true_m| < 0.05 m.
+    """
+    true = at(truth, column, estimates["epoch_ns"])
+    rows = np.flatnonzero(np.isfinite(true) & np.isfinite(estimates[column]))
+    if len(rows) < 2:
+        return {"true_m": None, "est_m": None, "rel_err": None}
+    first, last = rows[0], rows[-1]
+    true_m = float(true[last] - true[first])
+    est_m = float(estimates[column][last] - estimates[column][first])
+    small = abs(true_m) < SMALLEST_TOTAL_M
+    return {
+        "true_m": true_m,
+        "est_m": est_m,
+        "rel_err": None if small else abs(est_m - true_m) / abs(true_m),
+    }
+
+
+def _cut(table: Table, window: tuple[float, float]) -> Table:
+    first_ns, last_ns = (round(edge * 1e9) for edge in window)
+    rows = (table["epoch_ns"] >= first_ns) & (table["epoch_ns"] <= last_ns)
+    return {name: column[rows] for name, column in table.items()}
+
+
+def _finite(column: NDArray[Any] | None) -> Array:
+    if column is None:
+        return np.empty(0)
+    values = np.asarray(column, np.float64)
+    return values[np.isfinite(values)]
+
+
+def _mean(values: Array) -> float | None:
+    return float(np.mean(values)) if len(values) else None
+
+
+def _sd(values: Array) -> float | None:
+    return float(np.std(values)) if len(values) else None
+
+
+def _scaled(value: float | None, factor: float) -> float | None:
+    return None if value is None else value * factor
+
+
+def _total(part: Table, column: str) -> float | None:
+    values = _finite(part.get(column))
+    return float(values[-1] - values[0]) if len(values) else None

@@ -1,0 +1,1 @@
+"""A machine driven along its course: driver, course, ends, trajectory."""

@@ -1,0 +1,123 @@
+"""A study as one call: what is missing of it is done, and its table and summary are written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from twin.errors import BadInput
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+    from twin.studies.plan import Case
+    from twin.studies.summary import Group
+
+PARTS, TABLE, SUMMARY, PLAN = "parts", "table.parquet", "summary.json", "study.json"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """What a study gave."""
+
+    folder: Path
+    cases: Sequence[Case]
+    table: pa.Table
+    """A row for each run and estimator."""
+    groups: Sequence[Group]
+    """Rows of one setting and estimator, over the seeds."""
+    summary: Sequence[Mapping[str, Any]]
+    """Means with 95 % intervals, as rows of results."""
+    not_driven: Sequence[str] = ()
+    """Runs that were not driven as planned, in words."""
+
+
+def study(
+    scenarios: Iterable[str],
+    estimators: Iterable[str] = ("ratio", "four-state"),
+    *,
+    out: Path | str,
+    seeds: Iterable[int] = range(10),
+    sweeps: Mapping[str, Sequence[Any]] | None = None,
+    against: str | None = None,
+    jobs: int = -1,
+    backend: str = "loky",
+    options: Mapping[str, Any] | None = None,
+    progress: Callable[[float], None] = lambda share: None,
+) -> Study:
+    """Scenarios x sweeps x seeds, every estimator on each; a study that was killed goes on.
+
+    Args:
+        scenarios, estimators: names, or `module:Name` of your own.
+        out: folder of the study; what is done there is not done again.
+        seeds: the same for every scenario and sweep.
+        sweeps: field by dotted path -> the values it takes.
+        against: an estimator that the others are compared with, seed by seed.
+        jobs: processes; -1 for as many as the backend has.
+        backend, options: where the runs run, as joblib calls it, and what it is told.
+        progress: told the share of the runs done.
+
+    Raises:
+        BadInput: a name or a field is unknown, or the folder is not a study's.
+
+    Example:
+        >>> done = twin.study(["plough-25cm"], ["ratio"], out="studies/one")  # doctest: +SKIP
+    """
+    from twin.studies.plan import plan
+    from twin.studies.work import work
+
+    swept, folder = dict(sweeps or {}), Path(out)
+    cases = plan(list(scenarios), list(seeds), list(estimators), swept)
+    begin(folder, "")
+    work(
+        cases, folder / PARTS, jobs=jobs, backend=backend, options=dict(options or {}),
+        progress=progress,
+    )  # fmt: skip
+    return finished(cases, folder, list(swept), against)
+
+
+def begin(folder: Path, asked: Any) -> None:
+    """Make the folder, or see that it is a study's, and write down what was asked.
+
+    Raises:
+        BadInput: it is another folder, or cannot be written.
+    """
+    import json
+
+    from twin.io.atomic import write_text
+
+    ours = (folder / PLAN).exists() or not folder.exists() or not any(folder.iterdir())
+    if not ours:
+        raise BadInput(f"{folder} exists and is not a study's folder; choose another --out")
+    try:
+        (folder / PARTS).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BadInput(f"{folder} cannot be written: {error.strerror}") from None
+    write_text(folder / PLAN, json.dumps({"twin study": asked}) + "\n")
+
+
+def finished(
+    cases: Sequence[Case], folder: Path, swept: Sequence[str], against: str | None
+) -> Study:
+    """Read all parts of a study, and write its table and its summary."""
+    from twin.io import result_rows
+    from twin.studies.summary import early_ends, groups, quantities
+    from twin.studies.summary import rows as summary_rows
+    from twin.studies.table import read, write_table
+
+    table = read(cases, folder / PARTS)
+    write_table(table, folder / TABLE)
+    rows = table.to_pylist()
+    grouped = groups(rows, swept)
+    summary = summary_rows(grouped, quantities(rows, swept), against)
+    result_rows.write(summary, folder / SUMMARY)
+    return Study(
+        folder=folder,
+        cases=cases,
+        table=table,
+        groups=grouped,
+        summary=summary,
+        not_driven=early_ends(rows, swept),
+    )

@@ -1,0 +1,163 @@
+"""Means over the seeds, with their 95 % intervals.
+
+    mean -+ t(0.975, n - 1) sd / sqrt(n)
+
+Runs that failed are left out and counted. Runs that were not driven as planned are counted, and
+stand in the means with what was scored of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from twin.io.result_rows import row
+
+Row = Mapping[str, Any]
+
+UNITS = {"m": "m", "rad": "rad", "mps": "m/s", "kmh": "km/h", "kn": "kN"}
+"""Last part of a quantity's name -> its unit."""
+NOT_MEASURED = {"scenario", "seed", "estimator", "error", "ended", "as_planned"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Group:
+    """The runs that differ in nothing but the seed."""
+
+    scenario: str
+    swept: tuple[tuple[str, Any], ...]
+    estimator: str
+    rows: tuple[Row, ...]
+
+    @property
+    def setting(self) -> str:
+        """`plough-25cm, soil.friction = 0.6`."""
+        return ", ".join([self.scenario, *(f"{path} = {value}" for path, value in self.swept)])
+
+    @property
+    def failed(self) -> int:
+        """How many ended in an error."""
+        return sum(each["error"] is not None for each in self.rows)
+
+    @property
+    def not_driven(self) -> int:
+        """How many did not drive their course as planned."""
+        return sum(each.get("as_planned") is False for each in self.rows)
+
+    def values(self, quantity: str) -> dict[int, float]:
+        """Seed -> value, where there is one."""
+        found = {each["seed"]: each.get(quantity) for each in self.rows}
+        return {s: v for s, v in found.items() if v is not None and math.isfinite(v)}
+
+
+@dataclass(frozen=True)
+class Mean:
+    """A mean of `n` values and its 95 % interval; from a single value the interval is unknown."""
+
+    mean: float
+    low: float
+    high: float
+    n: int
+
+
+def groups(rows: Iterable[Row], swept: Sequence[str]) -> list[Group]:
+    """The rows of a study by scenario, swept values and estimator, in order of appearance."""
+    found: dict[tuple[Any, ...], list[Row]] = {}
+    for each in rows:
+        values = tuple((path, each[path]) for path in swept)
+        found.setdefault((each["scenario"], values, each["estimator"]), []).append(each)
+    return [
+        Group(scenario=scenario, swept=values, estimator=estimator, rows=tuple(held))
+        for (scenario, values, estimator), held in found.items()
+    ]
+
+
+def early_ends(rows: Iterable[Row], swept: Sequence[str]) -> list[str]:
+    """How each run ended that was not driven as planned, a line for each run."""
+    lines = (
+        ", ".join(
+            [
+                each["scenario"],
+                *(f"{path} = {each[path]}" for path in swept),
+                f"seed {each['seed']}",
+            ]
+        )
+        + f": {each['ended']}"
+        for each in rows
+        if each.get("as_planned") is False
+    )
+    return list(dict.fromkeys(lines))  # each estimator has a row of the run
+
+
+def quantities(rows: Iterable[Row], swept: Sequence[str]) -> list[str]:
+    """What was measured: the columns that hold a number somewhere, in order of appearance."""
+    known = NOT_MEASURED | set(swept)
+    found = (name for each in rows for name, v in each.items() if isinstance(v, float))
+    return [name for name in dict.fromkeys(found) if name not in known]
+
+
+def mean(values: Iterable[float]) -> Mean:
+    """Mean and interval; NaN of nothing."""
+    from scipy.stats import t  # late: slow to import
+
+    sample = np.fromiter(values, np.float64)
+    n = len(sample)
+    if n == 0:
+        return Mean(math.nan, math.nan, math.nan, 0)
+    centre = float(np.mean(sample))
+    if n == 1:
+        return Mean(centre, math.nan, math.nan, 1)
+    half = float(t.ppf(0.975, n - 1) * np.std(sample, ddof=1) / np.sqrt(n))
+    return Mean(centre, centre - half, centre + half, n)
+
+
+def paired(group: Group, other: Group, quantity: str) -> Mean:
+    """Mean difference to another estimator on the seeds that both have."""
+    ours, theirs = group.values(quantity), other.values(quantity)
+    return mean(ours[seed] - theirs[seed] for seed in ours if seed in theirs)
+
+
+def rows(
+    found: Sequence[Group], measured: Sequence[str], against: str | None = None
+) -> list[dict[str, Any]]:
+    """Rows as `twin.io.result_rows` writes them, the interval in low and high.
+
+    Args:
+        found: the groups.
+        measured: quantities.
+        against: an estimator that every other is compared with, seed by seed.
+    """
+    out = []
+    references = {g.setting: g for g in found if g.estimator == against}
+    for group in found:
+        case = f"{group.setting}, {group.estimator}"
+        out.append(row(case, "runs", len(group.rows), "1"))
+        out.append(row(case, "failed", group.failed, "1"))
+        out.append(row(case, "not driven as planned", group.not_driven, "1"))
+        reference = references.get(group.setting)
+        for quantity in measured:
+            out += _row(case, quantity, mean(group.values(quantity).values()), quantity)
+            if reference is not None and reference is not group:
+                difference = paired(group, reference, quantity)
+                out += _row(case, f"{quantity} less that of {against}", difference, quantity)
+    return out
+
+
+def _row(case: str, name: str, found: Mean, quantity: str) -> list[dict[str, Any]]:
+    if found.n == 0:
+        return []
+    line = row(case, name, found.mean, _unit(quantity))
+    return [line if found.n == 1 else line | {"low": found.low, "high": found.high}]
+
+
+def _unit(quantity: str) -> str:
+    """From the name: `sideslip_m.true_m` in m, `speed_mps.rmse` in m/s, `slip.rmse` in 1."""
+    group, _, last = quantity.rpartition(".")
+    if last in ("coverage_2sd", "nees_mean", "n", "n_nan", "rel_err"):
+        return "1"
+    ends = [part.rsplit("_", 1)[-1] for part in (last, group) if "_" in part]
+    return next((UNITS[end] for end in ends if end in UNITS), "1")

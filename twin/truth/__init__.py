@@ -1,0 +1,1 @@
+"""The truth an estimate is scored against, from a trajectory."""

@@ -1,0 +1,151 @@
+"""The truth an estimate is scored against, from a noise-free trajectory.
+
+Slip has one definition, per wheel and for the driven axle (means of w R and v over the driven
+wheels):
+
+    s = (w R - v) / max(|w R|, |v|, 0.05 m/s)
+
+v is the wheel centre's velocity along its rolling direction on the ground, R the radius at which
+the law's own slip is zero. Sideslip is measured in the ground plane, with x the body's x axis
+projected on it and y = n x x:
+
+    beta = atan2(v_y, v_x)        sideslip amount = integral of v_y dt
+
+at the centre of gravity of the tractor without implement, and at the rear-axle centre (`_rear`).
+Below 0.05 m/s angles are NaN.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.streams import WHEELS, Table
+from twin.trajectory.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+
+PERIOD_NS = 20_000_000
+SLOWEST_MPS = 0.05
+JOINTS = (
+    "fl_spin", "fr_spin", "rl_spin", "rr_spin",
+    "fl_steer", "fr_steer", "front_swing", "lift", "plough_pitch",
+)  # fmt: skip
+
+
+def slip_ratio(wheel_speed_mps: Array, speed_mps: Array) -> Array:
+    """s = (w R - v) / max(|w R|, |v|, 0.05 m/s)"""
+    largest = np.maximum(np.abs(wheel_speed_mps), np.abs(speed_mps))
+    return np.asarray((wheel_speed_mps - speed_mps) / np.maximum(largest, SLOWEST_MPS))
+
+
+def rotate(quaternion: Array, vector: Array) -> Array:
+    """v' = v + 2 w (q x v) + 2 q x (q x v). Shapes (n, 4) wxyz and (n, 3) -> (n, 3)."""
+    w, q = quaternion[:, :1], quaternion[:, 1:]
+    twice = 2.0 * np.cross(q, vector)
+    return np.asarray(vector + w * twice + np.cross(q, twice))
+
+
+def ground_axes(world_from_body: Array, normal_w: Array) -> tuple[Array, Array]:
+    """Axes x (the body's, projected on the ground plane) and y = n x x, world. Shapes (n, 3)."""
+    ahead = rotate(world_from_body, np.broadcast_to([1.0, 0.0, 0.0], normal_w.shape))
+    ahead = ahead - np.sum(ahead * normal_w, axis=1, keepdims=True) * normal_w
+    ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
+    return ahead, np.cross(normal_w, ahead)
+
+
+def sample(trajectory: Trajectory, driven: Sequence[str]) -> Table:
+    """Truth at 50 Hz from a chunk of trajectory; integrals are left to `integrate`."""
+    kept = trajectory.epoch_ns % PERIOD_NS == 0
+    column = {name: values[kept] for name, values in trajectory.columns.items()}
+    normal = column["ground_normal_w"]
+    ahead, left = ground_axes(column["world_from_body"], normal)
+
+    def along(axis: Array, vector: Array) -> Array:
+        return np.asarray(np.sum(axis * vector, axis=1))
+
+    table: Table = {"epoch_ns": trajectory.epoch_ns[kept]}
+    table |= dict(zip(("east_m", "north_m", "up_m"), column["position_w"].T, strict=True))
+    table |= dict(zip(("qw", "qx", "qy", "qz"), column["world_from_body"].T, strict=True))
+    for suffix, velocity in (("", column["cg_velocity_w"]), ("_rear", column["velocity_w"])):
+        v_x, v_y = along(ahead, velocity), along(left, velocity)
+        moving = np.hypot(v_x, v_y) >= SLOWEST_MPS
+        table[f"v_x{suffix}_mps"], table[f"v_y{suffix}_mps"] = v_x, v_y
+        table[f"sideslip{suffix}_rad"] = np.where(moving, np.arctan2(v_y, v_x), np.nan)
+    table["yaw_rate_radps"] = along(normal, rotate(column["world_from_body"], column["gyro_b"]))
+    table["speed_mps"] = table["v_x_rear_mps"]
+    return table | _wheels(column, driven) | _joints(column) | _powers(trajectory, kept)
+
+
+def _wheels(column: dict[str, Array], driven: Sequence[str]) -> Table:
+    """Slip of each wheel and of the driven axle, loads, and the machine's forces."""
+    chosen = [WHEELS.index(w) for w in driven]
+    rim = column["spin_radps"] * column["rolling_radius_m"]  # (n, 4)
+    wheel_speed = rim[:, chosen].mean(axis=1)
+    speed = column["wheel_speed_x_mps"][:, chosen].mean(axis=1)
+    table: Table = {"wheel_speed_mps": wheel_speed, "slip": slip_ratio(wheel_speed, speed)}
+    for i, wheel in enumerate(WHEELS):
+        table[f"slip_{wheel}"] = column["slip"][:, i]
+        table[f"load_{wheel}_n"] = column["load_n"][:, i]
+        table[f"shear_{wheel}_n"] = column["shear_x_n"][:, i]
+    names = (
+        "draft_n",
+        "depth_m",
+        "depth_wheel_n",
+        "plough_side_n",
+        "engine_radps",
+        "engine_torque_nm",
+        "fuel_lph",
+        "axle_torque_nm",
+    )
+    return table | {name: column[name] for name in names}
+
+
+def _powers(trajectory: Trajectory, kept: NDArray[np.bool_]) -> Table:
+    """Powers as means from each sample to the next, so that their sums are energies."""
+    count = np.diff(np.append(np.flatnonzero(kept), len(trajectory)))
+    names = [n for n in trajectory.columns if n.startswith("power_")]
+    start = np.flatnonzero(kept)
+    table: Table = {n: np.add.reduceat(trajectory[n], start) / count for n in names}
+    return table | {n: trajectory[n][kept] for n in ("kinetic_j", "potential_j")}
+
+
+def _joints(column: dict[str, Array]) -> Table:
+    """Angles of all hinges, to show the machine as it stood."""
+    angles = [*column["wheel_angle_rad"].T]
+    names = ("fl_steer_rad", "fr_steer_rad", "front_swing_rad", "hitch_rad", "plough_pitch_rad")
+    angles += [column[name] for name in names]
+    return {f"joint_{j}_rad": a for j, a in zip(JOINTS, angles, strict=True)}
+
+
+def integrate(table: Table, full_depth_m: float | None) -> Table:
+    """A whole run's truth with its integrals: sideslip amounts, and whether it ploughs.
+
+    Args:
+        table: consecutive samples of a whole run.
+        full_depth_m: depth from which the plough counts as at full depth, None without a plough.
+    """
+    dt_s = np.diff(table["epoch_ns"]) * 1e-9
+    for suffix in ("", "_rear"):
+        v_y = table[f"v_y{suffix}_mps"]
+        path = np.cumsum(0.5 * (v_y[1:] + v_y[:-1]) * dt_s)
+        table[f"sideslip{suffix}_m"] = np.concatenate([[0.0], path])
+    table["ploughing"] = _ploughing(table["depth_m"], full_depth_m)
+    return table
+
+
+def _ploughing(depth_m: Array, full_depth_m: float | None) -> NDArray[np.bool_]:
+    """From full depth on, until the plough is out of the ground."""
+    if full_depth_m is None:
+        return np.zeros(len(depth_m), dtype=bool)
+    now = np.arange(len(depth_m))
+    last_full = np.maximum.accumulate(np.where(depth_m >= full_depth_m, now, -1))
+    last_out = np.maximum.accumulate(np.where(depth_m <= 0.0, now, -1))
+    return np.asarray(last_full > last_out)
+
+
+def concatenate(parts: Sequence[Table]) -> Table:
+    """One table from consecutive ones."""
+    return {name: np.concatenate([p[name] for p in parts]) for name in parts[0]}
