@@ -168,3 +168,4 @@ class SlipEkf:
 
 
 SLIP_EKF = SlipEkf()
+"""Extended Kalman filter of GNSS, IMU and wheel speeds; slip from its two speeds."""

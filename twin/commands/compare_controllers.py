@@ -11,7 +11,8 @@ import tyro
 
 from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
-from twin.commands.terminal import console, progress
+from twin.commands.tables import Column, print_table
+from twin.commands.terminal import progress, say
 from twin.errors import UnknownName, check_range
 
 OBSERVATIONS = ("estimate", "truth")
@@ -90,23 +91,25 @@ def print_comparison(found: Sequence[Mapping[str, Any]], names: Sequence[str], c
 
     Of the paired differences the reward's alone; the rows hold all.
     """
-    from rich import box
-    from rich.table import Table
-
     named = dict.fromkeys(row["quantity"] for row in found)
     quantities = [n for n in named if "paired" not in n or n.startswith("reward")]
-    title = f"{count} held-out grounds, the same for all; mean ± half the 95 % interval"
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=title, title_justify="left")
-    table.add_column("controller")
-    for quantity in quantities:
+    cells = {(row["case"], row["quantity"]): row for row in found}
+    columns = [Column(heading="controller", cells=names, text=True)]
+    for rank, quantity in enumerate(quantities):
         unit = next(row["unit"] for row in found if row["quantity"] == quantity)
         name = quantity.replace("_", " ")
-        table.add_column(name if unit == "1" else f"{name} {unit}", justify="right")
-    cells = {(row["case"], row["quantity"]): row for row in found}
-    for name in names:
-        line = [_cell(cells.get((name, quantity))) for quantity in quantities]
-        table.add_row(name, *line)
-    console().print(table)
+        columns.append(
+            Column(
+                heading=name if unit == "1" else f"{name} [{unit}]",
+                cells=[_cell(cells.get((controller, quantity))) for controller in names],
+                rank=rank,
+            )
+        )
+    say(
+        f"{count} held-out grounds, the same for all; mean ± half the 95 % interval",
+        style="italic",
+    )
+    print_table(columns)
 
 
 def _cell(row: Mapping[str, Any] | None) -> str:

@@ -13,7 +13,8 @@ import tyro
 
 from twin.commands.parse import parse
 from twin.commands.run import DEFAULT_ESTIMATORS, load_estimators, status
-from twin.commands.terminal import console, counting, print_scores
+from twin.commands.score_table import print_scores
+from twin.commands.terminal import counting, say
 from twin.errors import BadInput
 from twin.scores.table import slip_lines
 
@@ -73,9 +74,8 @@ def _say(result: Result, directory: Path, options: Estimate) -> None:
     if options.json:
         print(json.dumps(result.scores, indent=2))
     elif not options.quiet:
-        out = console()
         print_scores(result.scores)
         notes = [f"note: {note}" for note in result.notes]
         files = f"{directory}/report.html, {directory}/run.rrd"
         for line in (*slip_lines(result.scores), *notes, files):
-            out.print(line, highlight=False, markup=False)
+            say(line)

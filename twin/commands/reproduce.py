@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from twin.commands.bench import print_rows
 from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
-from twin.commands.terminal import console, counting
+from twin.commands.terminal import counting, say
 from twin.errors import BadInput, UnknownName, check_range
 from twin.reproduce import ABOUT, REGISTRY, STORIES
 
@@ -49,7 +49,7 @@ def main(args: Sequence[str]) -> int:
 
     module, _, function = REGISTRY[args[0]].partition(":")
     if options.talks:
-        console(stderr=True).print(f"{ABOUT[args[0]]}; {options.trials} seeds", highlight=False)
+        say(f"{ABOUT[args[0]]}; {options.trials} seeds", stderr=True)
     with counting(args[0], "runs", shown=options.talks) as told:
         experiment = getattr(import_module(module), function)
         with telling(told):
@@ -58,7 +58,7 @@ def main(args: Sequence[str]) -> int:
     if options.talks:
         print_rows(measured)
         for text in said.paragraphs:
-            console().print(text, highlight=False, markup=False)
+            say(text)
     deliver(measured, options.json)
     if options.report is not None:
         from twin.reproduce import story

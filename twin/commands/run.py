@@ -16,7 +16,8 @@ import numpy as np
 import tyro
 
 from twin.commands.parse import named_fields, parse
-from twin.commands.terminal import console, print_scores, progress
+from twin.commands.score_table import print_scores
+from twin.commands.terminal import progress, say
 from twin.errors import BadInput
 from twin.io.atomic import moved_when_complete
 from twin.pipeline import named as registry
@@ -162,7 +163,7 @@ def _say(result: Result, directory: Path, options: Options) -> None:
     elif not options.quiet:
         print_scores(result.scores)
         for note in result.notes:
-            console().print(f"note: {note}", style="dim", highlight=False)
+            say(f"note: {note}", style="dim")
         simulated_s = float(np.ptp(result.truth["epoch_ns"])) * 1e-9
-        pace = f"{simulated_s:.0f} s driven in {result.wall_s:.1f} s" if result.wall_s else ""
-        console().print(f"{pace}; {directory}/report.html, {directory}/run.rrd", highlight=False)
+        pace = f"{simulated_s:.0f} s driven in {result.wall_s:.1f} s; " if result.wall_s else ""
+        say(f"{pace}{directory}/report.html, {directory}/run.rrd")

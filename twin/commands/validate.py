@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from twin.commands.bench import print_rows
 from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
-from twin.commands.terminal import console, counting
+from twin.commands.terminal import counting, say
 from twin.errors import check_range
 from twin.io.atomic import write_text
 
@@ -55,7 +55,7 @@ def main(args: Sequence[str]) -> int:
     if options.talks:
         print_rows(measured)
         said = f"{len(measured)} rows, {len(failed)} fail"
-        console().print("; ".join([said, *(", ".join(c.name) for c in failed)]), highlight=False)
+        say("; ".join([said, *(", ".join(c.name) for c in failed)]))
     return BROKEN_PROMISE if failed else 0
 
 
