@@ -40,6 +40,15 @@ def check_files(**files: Path | None) -> None:
             raise BadInput(f"--{option} {path} is a directory; name a file in it")
 
 
+def check_folder(option: str, folder: Path | None) -> None:
+    """Refuse before the work a folder that could not be made after it. Raises BadInput."""
+    if folder is None:
+        return
+    existing = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+    if not existing.is_dir():
+        raise BadInput(f"--{option} {folder}: {existing} is a file, not a folder")
+
+
 def deliver(measured: Sequence[Mapping[str, Any]], path: Path | None) -> None:
     """Rows to where `--json` says."""
     if path == STDOUT:

@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from twin.commands.measured import Measured, Talk, print_columns
+from twin.commands.measured import Measured, Told, print_columns
+from twin.commands.output import check_folder
 from twin.commands.parse import named_fields, parse
-from twin.commands.terminal import console, waiting
+from twin.commands.terminal import say, waiting
 from twin.errors import BadInput, UnknownName, check_range
 from twin.rig.drawbar import HITCH_M, STEP_N
 from twin.rig.gears import SPEEDS_KMH
@@ -30,7 +31,7 @@ COMPARED = (0.05, 0.10, 0.15, 0.20, 0.25, 0.30)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wheel(Talk):
+class Wheel(Told):
     """One wheel at imposed slip, slip angle and load: every load at every angle and slip.
 
     A smooth rigid wheel under Bekker's law, with slip 1 - v / (w R):
@@ -56,7 +57,7 @@ class Wheel(Talk):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Drawbar(Talk):
+class Drawbar(Told):
     """The tractor pulls loads that are held, beside the wheel rig and weight transfer.
 
     With --table: the greatest steady drawbar power of each gear at full throttle, and its fuel.
@@ -78,7 +79,7 @@ class Drawbar(Talk):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Slope(Talk):
+class Slope(Told):
     """The tractor holds a line across slopes: its crab angle, beside the closed form."""
 
     soil: Soil = dataclasses.field(default_factory=Soil)
@@ -89,7 +90,7 @@ class Slope(Talk):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Park(Talk):
+class Park(Told):
     """The tractor parked on slopes, brakes on: how far it creeps."""
 
     soil: Soil = dataclasses.field(default_factory=Soil)
@@ -115,18 +116,19 @@ def main(args: Sequence[str]) -> int:
         raise UnknownName("rig", args[0], RIGS)
     kind, run = RIGS[args[0]]
     options = parse(kind, args[1:], prog=f"twin rig {args[0]}")
-    _check_folder(options.out)
+    check_folder("out", options.out)
+    check_folder("figures", options.figures)
     _refuse_unread(options, named_fields(args[1:]))
     talks = not (options.quiet or options.json)
     with waiting(f"{args[0]} rig", shown=talks):
         found = run(options)
-    files = found.write(options.out)
+    files = found.write(options.out, options.figures)
     if options.json:
         print(found.to_json())
     if talks:
         for table in found.shown:
             print_columns(table)
-        console().print(", ".join(str(f) for f in files), highlight=False)
+        say(", ".join(str(f) for f in files))
     return 0
 
 
@@ -167,7 +169,7 @@ def _wheel(options: Wheel) -> Measured:
         {"wheel.csv": columns, "wheel-free.csv": free},
         [{name: columns[name][straight] for name in SHOWN}, free],
         "wheel.png",
-        lambda path: figures.wheel(curve, pulled, title, path),
+        lambda: figures.wheel(curve, pulled, title),
     )
 
 
@@ -199,7 +201,7 @@ def _gears(options: Drawbar) -> Measured:
         {"drawbar-gears.csv": columns},
         [shown],
         "drawbar.png",
-        lambda path: figures.gears(found, title, path),
+        lambda: figures.gears(found, title),
     )
 
 
@@ -227,7 +229,7 @@ def _pulled(options: Drawbar) -> Measured:
         {"drawbar.csv": curve.columns(), "drawbar-expected.csv": table},
         [table],
         "drawbar.png",
-        lambda path: figures.drawbar(curve, slips, expected, title, path),
+        lambda: figures.drawbar(curve, slips, expected, title),
     )
 
 
@@ -249,7 +251,7 @@ def _slope(options: Slope) -> Measured:
         {"slope.csv": columns},
         [{"cross_slope_deg": slopes} | {n: columns[n] for n in columns if "load" not in n}],
         "slope.png",
-        lambda path: figures.slope(seen, wanted, title, path),
+        lambda: figures.slope(seen, wanted, title),
     )
 
 
@@ -267,7 +269,7 @@ def _park(options: Park) -> Measured:
         {"park.csv": creep.columns()},
         [creep.columns()],
         "park.png",
-        lambda path: figures.park(creep, title, path),
+        lambda: figures.park(creep, title),
     )
 
 
@@ -309,7 +311,7 @@ def _some(options: Any, *names: str) -> None:
 
 def _warn(sentences: Sequence[str]) -> None:
     for sentence in sentences:
-        console(stderr=True).print(f"beyond the law's range: {sentence}", highlight=False)
+        say(f"beyond the law's range: {sentence}", stderr=True)
 
 
 def _soil(soil: Soil) -> str:
@@ -329,10 +331,3 @@ def _tyre(tyre: Tyre) -> str:
     return (
         f"{'rigid wheel' if tyre.rigid else 'tyre'} of radius {radius:.3g} m, width {width:.3g} m"
     )
-
-
-def _check_folder(folder: Path) -> None:
-    """Refuse before the work what could not be written after it."""
-    existing = next(p for p in (folder, *folder.absolute().parents) if p.exists())
-    if not existing.is_dir():
-        raise BadInput(f"--out {folder}: {existing} is a file, not a folder")
