@@ -1,7 +1,7 @@
 """The command `twin`: finds the subcommand, and turns every error into one line and a status.
 
-Status 0; 2 for bad input, with one line on stderr; 130 when interrupted. Nothing heavy is imported
-before the subcommand that needs it.
+Status 0; 1 where a promise or an estimator fails, or the disk is full; 2 for bad input, with one
+line on stderr; 130 when interrupted. Nothing heavy is imported before the subcommand that needs it.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-from twin.errors import BadInput, TwinError, UnknownName
+from twin.errors import BadInput, NoSpace, TwinError, UnknownName
 
 COMMANDS: dict[str, tuple[str, str]] = {
     "list": ("twin.commands.list", "scenarios, machines, soils and estimators"),
@@ -31,7 +31,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
 }
 """Subcommand -> (module with `main(args) -> status`, what it does)."""
 
-BAD_INPUT, INTERRUPTED = 2, 130
+FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -44,15 +44,24 @@ def main(argv: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a terminal without ± gets ?, not a traceback
     try:
-        return _dispatch(args)
+        status = _dispatch(args)
+        sys.stdout.flush()
+        return status
+    except NoSpace as error:
+        return _refuse(str(error), FAILED)
     except TwinError as error:
         return _refuse(str(error) + _left_by(error))
     except KeyboardInterrupt:
         print("twin: interrupted; nothing was written", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output has gone, as in `twin list | head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return 0
+    except OSError as error:
+        if error.errno not in _full():
+            raise
+        _drop_output()
+        return _refuse(f"the output cannot be written: {error.strerror}", FAILED)
     except SystemExit as end:  # tyro, after printing help
         return end.code if isinstance(end.code, int) else 0
 
@@ -112,9 +121,20 @@ def _left_by(error: TwinError) -> str:
     return f"; {folder} repeats it (twin.simulation.guard.replay)"
 
 
-def _refuse(message: str) -> int:
+def _full() -> frozenset[int]:
+    from twin.io.atomic import FULL
+
+    return FULL
+
+
+def _drop_output() -> None:
+    """Send what is left of our output nowhere, so that Python does not try again at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _refuse(message: str, status: int = BAD_INPUT) -> int:
     print("twin: " + " ".join(message.split()), file=sys.stderr)
-    return BAD_INPUT
+    return status
 
 
 if __name__ == "__main__":

@@ -84,7 +84,7 @@ def execute(
     shown = not (options.quiet or options.json)
     with progress(scenario.name, shown=shown) as told, _pngs(options.frames) as frames:
         result = run(scenario, estimators=estimators, progress=told, frames=frames)
-    result.save(directory, command=command)
+        result.save(directory, command=command)
     _say(result, directory, options)
     return result, directory
 

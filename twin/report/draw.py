@@ -57,9 +57,9 @@ class Drawing:
         """An SVG element for the page, with a title for screen readers."""
         with mpl.rc_context(STYLE):
             figure, axes = self._drawn(WIDTH_IN)
-            above_in = 0.08 + 0.2 * _legend(axes[0], (1.0 - self.left) * WIDTH_IN)
+            above_in = 0.1 + 0.2 * _legend(axes[0], (1.0 - self.left) * WIDTH_IN)
             below_in = 0.5 + 0.18 * axes[-1].get_xlabel().count("\n")
-            height_in = self._height_in + max(0.0, above_in - 0.28) + max(0.0, below_in - 0.5)
+            height_in = self._height_in + max(0.0, above_in - 0.3) + max(0.0, below_in - 0.5)
             figure.set_figheight(height_in)
             figure.subplots_adjust(
                 left=self.left,

@@ -25,7 +25,7 @@ th, td { padding: .3rem .6rem; text-align: right; white-space: nowrap }
 th, td { border-bottom: 1px solid var(--line) }
 th:first-child, td:first-child { text-align: left; padding-left: 0 }
 .names2 th:nth-child(2), .names2 td:nth-child(2) { text-align: left }
-thead th { color: var(--soft); font-weight: 600 }
+thead th { color: var(--soft); font-weight: 600; white-space: normal; vertical-align: bottom }
 dl { display: grid; grid-template-columns: repeat(auto-fill, minmax(9rem, 1fr)) }
 dl { gap: .6rem 1rem; margin: .8rem 0 }
 dt { color: var(--soft); font-size: .85rem }

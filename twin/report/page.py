@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from twin.io.atomic import write_text
 from twin.io.plain import to_plain
 from twin.io.run_folder import RunLike
 from twin.report import errors, figures
@@ -38,7 +39,7 @@ def write(run: RunLike, scores: Mapping[str, Any], path: Path, command: str = ""
         path: the .html file.
         command: what does it again; made of name and seed where none is given.
     """
-    path.write_text(page(run, scores, command), encoding="utf-8")
+    write_text(path, page(run, scores, command))
 
 
 def page(run: RunLike, scores: Mapping[str, Any], command: str = "") -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from typing import Any, Protocol
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from twin.io.atomic import moved_when_complete
+from twin.io.atomic import moved_when_complete, write_bytes
 from twin.report.palette import FIGURE
 
 MM_PER_IN = 25.4
@@ -55,7 +56,7 @@ class Printable(Protocol):
 def write_png(drawn: Printable, path: Path) -> None:
     """Write a figure as PNG."""
     with mpl.rc_context(SCREEN):
-        drawn.figure().savefig(path)
+        _write(drawn.figure(), path, {})
 
 
 def write_print(drawn: Mapping[str, Printable], folder: Path) -> list[str]:
@@ -79,15 +80,22 @@ def at_print_size(drawn: Printable, stem: Path) -> list[str]:
         figure.set_size_inches(width_in, max(height_in, least_in))
         undated: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
         for kind, metadata in undated.items():
-            figure.savefig(stem.with_name(f"{stem.name}.{kind}"), metadata=metadata)
+            _write(figure, stem.with_name(f"{stem.name}.{kind}"), metadata)
     return [f"{stem.name}.{kind}" for kind in undated]
+
+
+def _write(figure: Figure, path: Path, metadata: dict[str, Any]) -> None:
+    """Write a figure as its file's suffix says; encoded first, as encoders hide a full disk."""
+    encoded = io.BytesIO()
+    figure.savefig(encoded, format=path.suffix[1:], metadata=metadata)
+    write_bytes(path, encoded.getvalue())
 
 
 def legend_columns(labels: Sequence[str], width_in: float) -> int:
     """How many labels of a legend stand beside each other in a width, in the style that is set."""
     size_pt = _points(mpl.rcParams["legend.fontsize"])
     longest = max(map(len, labels))
-    fitting = math.floor(72.0 * width_in / (size_pt * (3.2 + 0.6 * longest)))
+    fitting = math.floor(72.0 * width_in / (size_pt * (2.6 + 0.55 * longest)))
     return max(1, min(fitting, len(labels)))
 
 

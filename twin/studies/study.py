@@ -82,20 +82,20 @@ def begin(folder: Path, asked: Any) -> None:
     """Make the folder, or see that it is a study's, and write down what was asked.
 
     Raises:
-        BadInput: it is another folder, or cannot be written.
+        NoSpace, BadInput: it is another folder, or cannot be written.
     """
     import json
 
-    from twin.io.atomic import write_text
+    from twin.io.atomic import made, refusal, write_text
 
     ours = (folder / PLAN).exists() or not folder.exists() or not any(folder.iterdir())
     if not ours:
         raise BadInput(f"{folder} exists and is not a study's folder; choose another --out")
     try:
-        (folder / PARTS).mkdir(parents=True, exist_ok=True)
+        with made(folder / PARTS):
+            write_text(folder / PLAN, json.dumps({"twin study": asked}) + "\n")
     except OSError as error:
-        raise BadInput(f"{folder} cannot be written: {error.strerror}") from None
-    write_text(folder / PLAN, json.dumps({"twin study": asked}) + "\n")
+        raise refusal(folder, error) from None
 
 
 def finished(

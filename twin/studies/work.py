@@ -13,7 +13,7 @@ from typing import Any
 import joblib
 
 from twin.compute.parallel import Counted
-from twin.errors import BadInput
+from twin.errors import BadInput, NoSpace
 from twin.plugins.lookup import attribute, line
 from twin.studies import part
 from twin.studies.plan import Case
@@ -50,6 +50,7 @@ def work(
         progress: told the share of the plan that is done.
 
     Raises:
+        NoSpace: the disk is full.
         BadInput: there is no such backend, it cannot be reached, or a worker was lost.
     """
     folder = folder.absolute()
@@ -67,7 +68,7 @@ def work(
             told(joblib.delayed(part.write)(case, folder) for case in todo)
     except Exception as error:  # a run's own are rows; this is a full disk or a lost worker
         text = f"the study stopped: {line(error)}; the same command does what is missing"
-        raise BadInput(text) from None
+        raise (NoSpace if isinstance(error, NoSpace) else BadInput)(text) from None
     for leftover in folder.glob(".*.parquet.*"):  # of runs that were killed while writing
         leftover.unlink(missing_ok=True)
 
