@@ -12,6 +12,7 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
+from twin.compute.waiting import told_of_compiling
 from twin.errors import BadInput, NoSpace, TwinError, UnknownName
 
 COMMANDS: dict[str, tuple[str, str]] = {
@@ -30,6 +31,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "bench": ("twin.commands.bench", "measure speed and memory on this machine"),
 }
 """Subcommand -> (module with `main(args) -> status`, what it does)."""
+COMPILING_S = 60
+"""Time in which a run's functions are compiled where none is kept, on one core [s]."""
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
@@ -80,8 +83,18 @@ def _dispatch(args: Sequence[str]) -> int:
     if args[0] not in COMMANDS:
         raise UnknownName("command", args[0], COMMANDS)
     module, _ = COMMANDS[args[0]]
-    status: int = import_module(module).main(args[1:])
+    with told_of_compiling(_say_compiling if _talks(args) else lambda: None):
+        status: int = import_module(module).main(args[1:])
     return status
+
+
+def _talks(args: Sequence[str]) -> bool:
+    """Whether progress is shown: on a terminal, unless it is not wanted."""
+    return sys.stderr.isatty() and not {"--quiet", "--json"} & set(args)
+
+
+def _say_compiling() -> None:
+    print(f"twin: compiling once, about {COMPILING_S} s", file=sys.stderr)
 
 
 def _help() -> str:

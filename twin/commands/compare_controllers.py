@@ -25,11 +25,11 @@ class CompareControllers(Output):
     env: str = "Plough-v0"
     """Environment: Plough-v0 or WheelSlip-v0."""
     episodes: int = 50
-    """Held-out grounds."""
+    """How many held-out grounds each controller drives over."""
     policy: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()
-    """A policy saved by stable-baselines3; may be given several times."""
+    """File of a policy saved by stable-baselines3; may be given several times."""
     duration_s: float = 20.0
-    """Length of an episode; what is judged begins 5 s after its start."""
+    """Length of an episode [s]; what is scored begins 5 s after its start."""
     observation: str = "estimate"
     """What the controllers see: estimate or truth."""
     report: Path | None = None

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
+from twin.commands.output import check_folder
 from twin.commands.parse import parse
 from twin.commands.run import DEFAULT_ESTIMATORS, load_estimators, status
 from twin.commands.score_table import print_scores
@@ -34,6 +35,8 @@ class Estimate:
     """What reads it, csv, parquet, nmea or run-folder, or module:Name of your own."""
     out: Path | None = None
     """Folder to write; runs/<name of the log> by default."""
+    figures: Path | None = None
+    """Folder for the report's figures as SVG and PDF, one column (85 mm) wide."""
     estimators: str = DEFAULT_ESTIMATORS
     """Names, or module:Name of your own, separated by commas."""
     view: bool = False
@@ -53,6 +56,7 @@ def main(args: Sequence[str]) -> int:
     if directory.resolve() == options.log.resolve():
         raise BadInput(f"--out {directory} is the log itself; choose another folder")
     run_folder.refuse_foreign(directory)
+    check_folder("figures", options.figures)
     estimators = load_estimators(options.estimators)
     from twin import logs
     from twin.pipeline.log import estimate
@@ -62,6 +66,8 @@ def main(args: Sequence[str]) -> int:
     with counting("estimating", "estimators", shown=shown) as told:
         result = estimate(options.log, options.map, estimators=estimators, reader=reader, told=told)
     result.save(directory, command=f"twin estimate {shlex.join(args)}")
+    if options.figures is not None:
+        result.figures(options.figures)
     _say(result, directory, options)
     if options.view:
         from twin import viz

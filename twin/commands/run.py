@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import tyro
 
+from twin.commands.output import check_folder
 from twin.commands.parse import named_fields, parse
 from twin.commands.score_table import print_scores
 from twin.commands.terminal import progress, say
@@ -36,6 +37,8 @@ class Options:
     """Folder to write; runs/<name>-seed<N> by default."""
     estimators: str = DEFAULT_ESTIMATORS
     """Names, or module:Name of your own, separated by commas."""
+    figures: Path | None = None
+    """Folder for the report's figures as SVG and PDF, one column (85 mm) wide."""
     frames: Path | None = None
     """Folder for the camera's frames as PNG."""
     mask: tuple[float, float] | None = None
@@ -78,6 +81,7 @@ def execute(
     scenario = _masked(scenario, options.mask)
     refuse_unread(scenario, named)
     _check_frames(scenario, options.frames)
+    check_folder("figures", options.figures)
     estimators = load_estimators(options.estimators)
     from twin.pipeline.run import run  # heavy, so only once the input is known to be good
 
@@ -85,6 +89,8 @@ def execute(
     with progress(scenario.name, shown=shown) as told, _pngs(options.frames) as frames:
         result = run(scenario, estimators=estimators, progress=told, frames=frames)
         result.save(directory, command=command)
+        if options.figures is not None:
+            result.figures(options.figures)
     _say(result, directory, options)
     return result, directory
 

@@ -51,7 +51,7 @@ def histogram(
             density = np.exp(-0.5 * (at_ / sd) ** 2) / (sd * np.sqrt(2.0 * np.pi))
             axes.plot(at_, density, "--", color=TRUTH_COLOUR, lw=1.0, label="bound, causal")
         axes.axvline(0.0, color=TRUTH_COLOUR, lw=0.8)
-        axes.set(xlabel="estimate - truth [% slip]", ylabel="density")
+        axes.set(xlabel="estimate - truth [% slip]", ylabel="density [1/%]")
 
     return Drawing(title="Distribution of the slip error", draw=draw)
 

@@ -159,10 +159,11 @@ def power(truth: Table | None, window: tuple[float, float] | None) -> Drawing | 
         values = per_unit * np.array(list(means_w.values()))
         axes.barh(places, values, color=BLUE, height=0.65)
         for place, value in zip(places, values, strict=True):
-            said = f" {value:.{digits}f} {unit}, {value / (per_unit * whole_w):.0%}"
-            axes.text(value, place, said, va="center")
+            said = f"{value:.{digits}f} {unit}, {value / (per_unit * whole_w):.0%}"
+            beside: Any = {"xytext": (3.0, 0.0), "textcoords": "offset points", "va": "center"}
+            axes.annotate(said, (value, place), **beside)
         axes.set_yticks(places, list(means_w))
-        axes.set(xlabel=f"mean power [{unit}]\n{total}", xlim=(0.0, 1.4 * float(values.max())))
+        axes.set(xlabel=f"mean power [{unit}]\n{total}", xlim=(0.0, 1.5 * float(values.max())))
         axes.grid(False)
 
     return Drawing(title="Where power goes", draw=draw, left=0.27)
