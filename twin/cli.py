@@ -16,16 +16,25 @@ from twin.compute.waiting import told_of_compiling
 from twin.errors import BadInput, NoSpace, TwinError, UnknownName
 
 COMMANDS: dict[str, tuple[str, str]] = {
-    "list": ("twin.commands.list", "scenarios, machines, soils and estimators"),
-    "run": ("twin.commands.run", "NAME: simulate a scenario, estimate, score, write a run folder"),
+    "list": ("twin.commands.list", "list scenarios, machines, soils and estimators"),
+    "run": (
+        "twin.commands.run",
+        "NAME: simulate a scenario, run and score estimators, write a run folder",
+    ),
     "estimate": ("twin.commands.estimate", "LOG: run the estimators on a recorded drive"),
-    "reproduce": ("twin.commands.reproduce", "PAPER: published figures and ours side by side"),
-    "validate": ("twin.commands.validate", "check against mechanics, print and field data"),
-    "study": ("twin.commands.study", "SCENARIOS: many seeds and settings, means with intervals"),
-    "rig": ("twin.commands.rig", "wheel | drawbar | slope | park: a test rig, its CSV and figure"),
+    "reproduce": ("twin.commands.reproduce", "PAPER: compare published results with the twin's"),
+    "validate": (
+        "twin.commands.validate",
+        "check the twin against mechanics, published laws and field data",
+    ),
+    "study": (
+        "twin.commands.study",
+        "SCENARIOS: run many seeds and settings; means with intervals",
+    ),
+    "rig": ("twin.commands.rig", "wheel | drawbar | slope | park: run a test rig; CSV and figure"),
     "compare-controllers": (
         "twin.commands.compare_controllers",
-        "slip controllers and saved policies on the same held-out grounds",
+        "compare slip controllers and saved policies on held-out grounds",
     ),
     "view": ("twin.commands.view", "DIR: open the recording of a run folder"),
     "bench": ("twin.commands.bench", "measure speed and memory on this machine"),
@@ -78,7 +87,7 @@ def _dispatch(args: Sequence[str]) -> int:
         return 0
     if args[0].startswith("-"):
         raise BadInput(
-            f"{args[0]} stands before a command; the commands are: {', '.join(COMMANDS)}"
+            f"{args[0]} comes before the command; the commands are: {', '.join(COMMANDS)}"
         )
     if args[0] not in COMMANDS:
         raise UnknownName("command", args[0], COMMANDS)
@@ -104,12 +113,13 @@ def _help() -> str:
         (
             "usage: twin COMMAND [OPTIONS]",
             "",
-            "A simulated tractor and plough, the streams its sensors would give, and estimators",
-            "of wheel slip and sideslip scored against the truth.",
+            "Simulate a tractor and plough and their sensors. Run estimators of wheel slip and",
+            "sideslip on the sensor streams. Score them against the truth.",
             "",
             *lines,
             "",
-            "twin COMMAND --help says more; twin run NAME --help lists what a scenario can change.",
+            "twin COMMAND --help describes a command.",
+            "twin run NAME --help lists the fields of a scenario.",
         )
     )
 

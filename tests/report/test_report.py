@@ -54,7 +54,7 @@ MEANS = written(write_intervals, "Means", "About.", SPREAD, "twin compare-contro
 
 def test_a_page_of_checks_puts_what_fails_first() -> None:
     assert "2 rows, 1 pass, 1 fail" in CHECKS
-    failing = CHECKS[CHECKS.index("What fails") : CHECKS.index("<figure>")]
+    failing = CHECKS[CHECKS.index("Failed checks") : CHECKS.index("<figure>")]
     assert "&lt;slope&gt;" in failing
     assert "coasting" not in failing
     assert "0.63 to 0.66" in CHECKS

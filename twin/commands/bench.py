@@ -1,4 +1,4 @@
-"""`twin bench`: measured speed and memory, as rows."""
+"""`twin bench`: measure speed and memory."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ RANKS = {"published": 0, "reference": 2, "low": 3, "high": 3, "unit": 1, "passed
 
 @dataclass(frozen=True, kw_only=True)
 class Bench(Output):
-    """Measure speed and memory on this machine, beside the values promised."""
+    """Measure speed and memory on this computer and compare them with the promised values."""
 
 
 def main(args: Sequence[str]) -> int:
@@ -35,7 +35,7 @@ def main(args: Sequence[str]) -> int:
 
 
 def print_rows(measured: Sequence[Mapping[str, Any]]) -> None:
-    """Rows as a table of case, quantity, value and what was promised."""
+    """Print rows as a table: case, quantity, value, promised value."""
     columns = [
         Column(heading=name, cells=[str(row[name]) for row in measured], text=True)
         for name in ("case", "quantity")

@@ -1,4 +1,4 @@
-"""`twin compare-controllers`: baselines and saved policies on the same held-out grounds."""
+"""`twin compare-controllers`: compare controllers on the same held-out grounds."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ OBSERVATIONS = ("estimate", "truth")
 
 @dataclass(frozen=True, kw_only=True)
 class CompareControllers(Output):
-    """Drive the baselines and any saved policy over the same held-out grounds."""
+    """Compare slip controllers: each drives over the same held-out grounds."""
 
     env: str = "Plough-v0"
     """Environment: Plough-v0 or WheelSlip-v0."""
@@ -31,9 +31,9 @@ class CompareControllers(Output):
     duration_s: float = 20.0
     """Length of an episode [s]; what is scored begins 5 s after its start."""
     observation: str = "estimate"
-    """What the controllers see: estimate or truth."""
+    """What the controllers observe: estimate or truth."""
     report: Path | None = None
-    """File for an HTML page: means with intervals, as table and figures."""
+    """File for an HTML page with means and intervals, as a table and as figures."""
 
 
 def main(args: Sequence[str]) -> int:
@@ -75,7 +75,7 @@ def _report(found: Sequence[Mapping[str, Any]], options: CompareControllers) -> 
 
     about = (
         f"{options.env}, {options.episodes} held-out grounds of {options.duration_s:g} s, the same "
-        f"for all; controllers see the {options.observation}. Means and their 95 % intervals."
+        f"for all; controllers observe the {options.observation}. Means and their 95 % intervals."
     )
     policies = "".join(f" --policy {file}" for file in options.policy)
     command = (

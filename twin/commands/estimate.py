@@ -1,4 +1,4 @@
-"""`twin estimate LOG`: the same estimators on a recorded drive."""
+"""`twin estimate LOG`: run estimators on a recorded drive."""
 
 from __future__ import annotations
 
@@ -28,27 +28,27 @@ class Estimate:
     """Run the estimators on a recorded drive: a run folder, CSV, Parquet or NMEA 0183."""
 
     log: Annotated[Path, tyro.conf.Positional]
-    """The log."""
+    """The recorded drive."""
     map: Path | None = None
-    """TOML that says which column is what, and in which unit."""
+    """TOML file that gives the meaning and the unit of each column."""
     reader: str | None = None
     """What reads it, csv, parquet, nmea or run-folder, or module:Name of your own."""
     out: Path | None = None
-    """Folder to write; runs/<name of the log> by default."""
+    """Folder for the results; by default runs/<name of the log>."""
     figures: Path | None = None
     """Folder for the report's figures as SVG and PDF, one column (85 mm) wide."""
     estimators: str = DEFAULT_ESTIMATORS
-    """Names, or module:Name of your own, separated by commas."""
+    """Estimators, separated by commas: names, or module:Name of your own."""
     view: bool = False
-    """Open the recording when done."""
+    """Open the recording in the rerun viewer at the end."""
     quiet: bool = False
-    """Say nothing but errors."""
+    """Print errors only."""
     json: bool = False
-    """Print scores and slip as JSON instead of tables."""
+    """Print the scores and slip as JSON instead of tables."""
 
 
 def main(args: Sequence[str]) -> int:
-    """Read a log, run the estimators, write the folder, print what they say."""
+    """Read a log, run the estimators, write the folder, print the result."""
     options = parse(Estimate, args, prog="twin estimate")
     from twin.io import run_folder
 

@@ -1,4 +1,4 @@
-"""`twin list`: what there is, by name."""
+"""`twin list`: print all scenarios, machines, soils and estimators."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from twin.commands.terminal import say
 
 @dataclass(frozen=True, kw_only=True)
 class List:
-    """Scenarios, machines, soils and estimators, each with one line."""
+    """List scenarios, machines, soils and estimators with one line each."""
 
     json: bool = False
-    """Print JSON."""
+    """Print JSON instead of text."""
 
 
 def main(args: Sequence[str]) -> int:
-    """Print everything that can be named."""
+    """Print every name with its description."""
     import estimators
 
     options = parse(List, args, prog="twin list")

@@ -1,4 +1,4 @@
-"""What a rig measured: its files, the tables on the terminal, and the same as JSON."""
+"""The result of a rig as files, as tables on the terminal and as JSON."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ Columns = Mapping[str, Any]
 
 @dataclass(frozen=True, kw_only=True)
 class Told:
-    """Where what was measured is shown."""
+    """How the result is shown."""
 
     quiet: bool = False
-    """Say nothing but errors."""
+    """Print errors only."""
     json: bool = False
     """Print the columns of every CSV as JSON instead of tables."""
     figures: Path | None = None
@@ -32,12 +32,12 @@ class Told:
 
 @dataclass(frozen=True)
 class Measured:
-    """What a rig found."""
+    """The result of a rig."""
 
     files: Mapping[str, Columns]
     """CSV name -> its columns."""
     shown: Sequence[Columns]
-    """What the terminal shows."""
+    """Tables for the terminal."""
     figure: str
     """File name of the figure."""
     draw: Callable[[], Figure]

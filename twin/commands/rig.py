@@ -1,4 +1,4 @@
-"""`twin rig wheel | drawbar | slope | park`: a test rig, its CSV and its figure."""
+"""`twin rig wheel | drawbar | slope | park`: run a test rig; write CSV and a figure."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ COMPARED = (0.05, 0.10, 0.15, 0.20, 0.25, 0.30)
 
 @dataclass(frozen=True, kw_only=True)
 class Wheel(Told):
-    """One wheel at imposed slip, slip angle and load: every load at every angle and slip.
+    """Test one wheel at every given load, slip angle and slip.
 
     A smooth rigid wheel under Bekker's law, with slip 1 - v / (w R):
 
@@ -45,11 +45,11 @@ class Wheel(Told):
     load_kn: tuple[float, ...] = (20.0,)
     """Vertical loads [kN]."""
     slip: tuple[float, ...] = SLIPS
-    """(w R - v) / max(|w R|, |v|), from -0.95 to 0.95."""
+    """Slips (w R - v) / max(|w R|, |v|) [-], from -0.95 to 0.95."""
     slip_angle_deg: tuple[float, ...] = (0.0, 4.0, 10.0, 20.0)
-    """Positive when the wheel slides to its right [deg]."""
+    """Slip angles [deg]; positive when the wheel slides to its right."""
     radial: bool = False
-    """Brixius' numbers for a radial tyre in place of the soil's (k 9.5, c0 0.0325, m 0.9)."""
+    """Use Brixius' constants of a radial tyre (k 9.5, c0 0.0325, m 0.9) instead of the soil's."""
     speed_mps: float = SPEED_MPS
     """Speed along the path [m/s]."""
     out: Path = Path("runs/rig-wheel")
@@ -58,18 +58,18 @@ class Wheel(Told):
 
 @dataclass(frozen=True, kw_only=True)
 class Drawbar(Told):
-    """The tractor pulls loads that are held, beside the wheel rig and weight transfer.
+    """Pull the tractor at constant loads. Compare it with the wheel rig and weight transfer.
 
     With --table: the greatest steady drawbar power of each gear at full throttle, and its fuel.
     """
 
     soil: Soil = dataclasses.field(default_factory=Soil)
     hitch_m: float = HITCH_M
-    """Height of the pull above the ground [m]."""
+    """Height of the pull's line of action above the ground [m]."""
     step_n: float = STEP_N
-    """Pull from one held load to the next [N]."""
+    """Step of the pull from one load to the next [N]."""
     most_slip: float = 0.40
-    """Slip at which the test ends."""
+    """Slip at which the test ends [-]."""
     table: bool = False
     """Test every gear at full throttle, within 15 % slip, instead of pull against slip."""
     gear_kmh: tuple[float, ...] = SPEEDS_KMH
@@ -80,26 +80,26 @@ class Drawbar(Told):
 
 @dataclass(frozen=True, kw_only=True)
 class Slope(Told):
-    """The tractor holds a line across slopes: its crab angle, beside the closed form."""
+    """Drive the tractor along a line on cross slopes. Compare its crab angle with theory."""
 
     soil: Soil = dataclasses.field(default_factory=Soil)
     cross_slope_deg: tuple[float, ...] = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
-    """Slopes [deg], positive rising to the left."""
+    """Cross slopes [deg]; positive rises to the left."""
     out: Path = Path("runs/rig-slope")
     """Folder for slope.csv and slope.png."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Park(Told):
-    """The tractor parked on slopes, brakes on: how far it creeps."""
+    """Park the tractor on slopes with the brakes on and measure how far it creeps."""
 
     soil: Soil = dataclasses.field(default_factory=Soil)
     cross_slope_deg: tuple[float, ...] = (0.0, 5.0, 10.0, 15.0, 18.0)
-    """Slopes across [deg], each with no grade."""
+    """Cross slopes [deg], each without grade."""
     grade_deg: tuple[float, ...] = (-15.0, -8.0, 8.0, 15.0)
-    """Slopes along [deg], each with no cross slope."""
+    """Grades [deg], each without cross slope."""
     parked_s: float = PARKED_S
-    """How long it stands [s]."""
+    """Duration of the test [s]."""
     out: Path = Path("runs/rig-park")
     """Folder for park.csv and park.png."""
 
@@ -287,7 +287,7 @@ BRIXIUS_ALONE = ("radial", "tyre.deflection_ratio")
 
 
 def _refuse_unread(options: Any, named: Collection[str]) -> None:
-    """Refuse what is set of the soil or the tyre that the rig would not read."""
+    """Refuse options of the soil or the tyre that the rig does not read."""
     from twin.pipeline.unread import refuse_unread
 
     soil: Soil = options.soil

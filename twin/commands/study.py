@@ -1,4 +1,4 @@
-"""`twin study SCENARIOS`: many runs, each kept as it ends, their means with intervals."""
+"""`twin study SCENARIOS`: do many runs and give means with intervals."""
 
 from __future__ import annotations
 
@@ -54,35 +54,35 @@ NO_DIFFERENCE = ("bound.slip_causal",)
 
 @dataclass(frozen=True, kw_only=True)
 class Study(Output):
-    """Run scenarios x sweeps x seeds, every estimator on each run; a killed study goes on."""
+    """Run scenarios x sweeps x seeds with every estimator. A stopped study can be continued."""
 
     estimators: str = "ratio,four-state"
-    """Names, or module:Name of your own, separated by commas."""
+    """Estimators, separated by commas: names, or module:Name of your own."""
     seeds: int = 10
-    """How many seeds, the same for every scenario and sweep."""
+    """Number of seeds. Every scenario and sweep has the same ones."""
     first_seed: int = 0
-    """The first of them."""
+    """The first seed."""
     sweep: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
-    """FIELD=V1,V2,...: a field of the scenarios and the values it takes; may be given several
-    times, for every combination."""
+    """FIELD=V1,V2,...: a field of the scenarios and its values. Given several times, every
+    combination is run."""
     out: Path | None = None
-    """Folder of the study; studies/<names> by default."""
+    """Folder of the study; by default studies/<names>."""
     jobs: int = -1
-    """Processes; -1 for as many as the backend has."""
+    """Number of processes; -1 for as many as the backend has."""
     backend: str = "loky"
-    """Where the runs run, as joblib calls it: loky (here), ray, dask."""
+    """Backend of joblib for the runs: loky (this computer), ray, dask."""
     backend_option: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
-    """NAME=VALUE for the backend; may be given several times."""
+    """Option NAME=VALUE of the backend; may be given several times."""
     against: str | None = None
-    """An estimator that the others are compared with, seed by seed."""
+    """Estimator to compare the others with, seed by seed."""
     retry_failed: bool = False
-    """Do the runs again that ended in an error."""
+    """Repeat the runs that ended in an error."""
     figures: Path | None = None
     """Folder for the figures as SVG and PDF, as wide as a printed page's text (175 mm)."""
 
 
 def main(args: Sequence[str]) -> int:
-    """Do what is missing of a study, then its table, summary and figures."""
+    """Do the missing runs of a study, then write its table, summary and figures."""
     names, rest = _split(args)
     options = parse(Study, rest, prog="twin study SCENARIOS")
     for text in options.backend_option:
@@ -91,7 +91,9 @@ def main(args: Sequence[str]) -> int:
     check_range("seeds", options.seeds, 1, 1_000_000)
     check_range("first_seed", options.first_seed, 0, 2**31 - options.seeds)
     if options.jobs == 0:
-        raise BadInput("jobs = 0 would do nothing; 1, or -1 for as many as the backend has")
+        raise BadInput(
+            "jobs = 0 starts no process; give 1 or more, or -1 for all that the backend has"
+        )
     check_files(json=options.json)
     check_folder("figures", options.figures)
     from twin import studies as study
@@ -114,7 +116,7 @@ def main(args: Sequence[str]) -> int:
     except KeyboardInterrupt:
         left = len(study.missing(cases, folder / PARTS))
         done = f"{len(cases) - left} of {len(cases)} runs are in {folder}"
-        say(f"twin: interrupted; {done}, the same command does the rest", stderr=True)
+        say(f"twin: interrupted; {done}, the same command continues the study", stderr=True)
         return INTERRUPTED
     _finish(cases, folder, list(sweeps), options)
     return 0
@@ -155,7 +157,7 @@ def _value(path: str, kind: Any, text: str) -> Any:
 def _listed(option: str, text: str) -> list[str]:
     values = [each.strip() for each in text.split(",") if each.strip()]
     if not values:
-        raise BadInput(f"{option} names none")
+        raise BadInput(f"{option} is empty; give at least one value")
     return values
 
 

@@ -70,7 +70,7 @@ def progress(label: str, *, shown: bool) -> Iterator[Tell]:
 
 @contextmanager
 def counting(label: str, what: str, *, shown: bool) -> Iterator[Told]:
-    """A bar of things done, in stages that each begin at none: `37 runs, 1.4 a second`."""
+    """A bar that counts things over several stages: `37 runs, 1.4 a second`."""
     watch, before, stage = Stopwatch(), 0, 0
     with _bar(label, shown=shown) as (bar, task):
         if bar is None:
@@ -91,7 +91,7 @@ def counting(label: str, what: str, *, shown: bool) -> Iterator[Told]:
 
 @contextmanager
 def waiting(label: str, *, shown: bool) -> Iterator[None]:
-    """A sign that something goes on; silent off a terminal."""
+    """A sign of activity; silent off a terminal."""
     err = console(stderr=True)
     if not (shown and err.is_terminal):
         yield

@@ -1,4 +1,4 @@
-"""Figures of what estimates are off by, beside the smallest error that sensors and motion allow."""
+"""Figures of the errors of estimates, with the smallest error that sensors and motion allow."""
 
 from __future__ import annotations
 
@@ -78,8 +78,8 @@ def angle_error(
 
 
 def nees(truth: Table, estimates: Estimates, window: Window) -> Drawing | None:
-    """Squared slip error over reported variance, means of blocks of time; 1 is honest."""
-    blocks = _blocks(truth, estimates, "slip", window, honest=True)
+    """Squared slip error over reported variance, means over blocks of time; 1 is consistent."""
+    blocks = _blocks(truth, estimates, "slip", window, consistency=True)
     if not blocks:
         return None
 
@@ -124,15 +124,15 @@ def block_means(table: Table, values: Array, window: Window) -> tuple[Array, Arr
 
 
 def _blocks(
-    truth: Table, estimates: Estimates, column: str, window: Window, *, honest: bool = False
+    truth: Table, estimates: Estimates, column: str, window: Window, *, consistency: bool = False
 ) -> dict[str, tuple[Array, Array]]:
-    """Time and mean square error in blocks of each estimate; over its variance where `honest`."""
+    """Time and mean square error in blocks of each estimate; over its variance where `consistency`."""
     found = {}
     for name, table in estimates.items():
         error = error_of(truth, table, column)
-        if error is None or (honest and f"{column}_sd" not in table):
+        if error is None or (consistency and f"{column}_sd" not in table):
             continue
-        sd = table[f"{column}_sd"] if honest else 1.0
+        sd = table[f"{column}_sd"] if consistency else 1.0
         with np.errstate(divide="ignore", invalid="ignore"):
             time, means = block_means(table, (error / sd) ** 2, window)
         if np.isfinite(means).any():

@@ -1,4 +1,4 @@
-"""Figures of what was driven and what was estimated of it, over time and in place."""
+"""Figures of the drive and of its estimates, over time and on a map."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ POWERS = {
     "transmission": ("power_transmission_w", "power_driveline_w", "power_brake_w"),
     "hitch, steering": ("power_joint_w", "power_lift_w", "power_steer_w", "power_contact_w"),
 }
-"""What is drawn of the power balance, from the terms of truth."""
+"""Label in the figure -> terms of the power balance in truth."""
 
 MOST_FIXES = 3000
 SMALLEST_M = 1e-3
@@ -81,7 +81,7 @@ def sideslip(truth: Table | None, estimates: Estimates) -> Drawing | None:
 
 
 def path(truth: Table | None, streams: Streams) -> Drawing | None:
-    """Where it drove: GNSS antenna, and the rear-axle centre where truth is known."""
+    """Path of the GNSS antenna, and of the rear-axle centre where truth is known."""
     has_fixes = "gnss" in streams and "east_m" in streams["gnss"]
     has_truth = truth and "east_m" in truth
     if not (has_fixes or has_truth):
@@ -131,7 +131,7 @@ def speeds(truth: Table | None, estimates: Estimates) -> Drawing | None:
 
 
 def power(truth: Table | None, window: tuple[float, float] | None) -> Drawing | None:
-    """Where power goes, means over the window: of the engine's, and of height and speed lost."""
+    """Mean power by use over the window, of that of the engine and of lost height and speed."""
     if not truth or window is None or "power_engine_w" not in truth:
         return None
     time = seconds(truth)

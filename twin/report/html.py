@@ -1,4 +1,4 @@
-"""One page for every report: head, style, tables, and what made it. No network, no script."""
+"""The page of every report: head, style, tables, command and versions. No network, no script."""
 
 from __future__ import annotations
 
@@ -74,8 +74,8 @@ def figures(drawn: Iterable[tuple[str, str, str]]) -> str:
 
 
 def made_with(command: str = "", note: str = "") -> str:
-    """How to do it again, and the versions that did it."""
-    head = f"<h2>Do it again</h2><pre>{html.escape(command)}</pre>" if command else ""
+    """The command that repeats it, and the versions that were used."""
+    head = f"<h2>How to repeat it</h2><pre>{html.escape(command)}</pre>" if command else ""
     said = f'<p class="soft">{html.escape(note)}</p>' if note else ""
     return f'{head or "<h2>Made with</h2>"}{said}<p class="soft">{html.escape(versions())}</p>'
 

@@ -1,4 +1,4 @@
-"""The page itself: headline table, figures, what was driven, and how to do it again."""
+"""The page: scores, figures, the scenario, and the command that repeats the run."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ SLIP_OVER_TIME = (
     "bound. Light grey: what is scored."
 )
 ERROR_OVER_TIME = (
-    "Means over stretches of time. The bounds are what sensors and motion allow, with what has "
-    "arrived (causal) or with everything (offline); a bias comes on top."
+    "RMS over blocks of time. The bounds are the smallest errors that sensors and motion allow, "
+    "from past samples (causal) or from all samples (offline). They contain no bias."
 )
 CONSISTENCY = (
     "Mean squared error over reported variance. Above 1 the reported standard deviation is too "
@@ -37,7 +37,7 @@ def write(run: RunLike, scores: Mapping[str, Any], path: Path, command: str = ""
         run: the run.
         scores: as made by `twin.scores.scores.score`.
         path: the .html file.
-        command: what does it again; made of name and seed where none is given.
+        command: the command that repeats it; made of name and seed where none is given.
     """
     write_text(path, page(run, scores, command))
 
@@ -84,7 +84,7 @@ def _what(run: RunLike, scores: Mapping[str, Any]) -> str:
 
 
 def _driven(truth: Mapping[str, float | None]) -> str:
-    """What was driven inside the window, as a list of figures."""
+    """Means and totals of the drive inside the window."""
     shown = (
         ("mean_speed_kmh", "Mean speed", 1.0, ".2f", "km/h"),
         ("distance_m", "Distance", 1.0, ".1f", "m"),
@@ -115,7 +115,7 @@ def _headline(scores: Mapping[str, Any]) -> str:
 
 
 def _found(scores: Mapping[str, Any]) -> str:
-    """What a recorded drive says of itself, and what was handled in reading it."""
+    """Slip of a recorded drive, and the notes of its reading."""
     lines = [*slip_lines(scores), *scores.get("notes", ())]
     items = "".join(f"<li>{html.escape(line)}</li>" for line in lines)
     title = "Slip of the drive" if slip_lines(scores) else "Notes"

@@ -1,4 +1,4 @@
-"""Reports of rows of figures: checks against their tolerance, means with their intervals."""
+"""Reports of rows: checks with their tolerances, means with their intervals."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Rows = Sequence[Mapping[str, Any]]
 
 BLUE, RED, GREY = "#0072B2", "#D55E00", "#e8e8e8"
 BEYOND = 1.6
-"""A figure further outside its band than this is drawn here, as an arrow."""
+"""A value further outside its band than this is drawn here."""
 ROW_IN, LABEL_LETTERS = 0.19, 32
 
 
@@ -41,7 +41,7 @@ def write_intervals(
         title, about: heading, and what was done, in a sentence.
         rows: as `twin.io.result_rows` has them, the interval in `low` and `high`; a `bound` beside
             them is drawn as a line.
-        command: what does it again.
+        command: the command that repeats it.
         not_driven: runs that did not drive their course, and how each ended.
         colour_of: case -> its colour in the figures.
     """
@@ -78,10 +78,14 @@ def write_checks(
     said = f"{len(every)} rows, {len(every) - len(failed)} pass, {len(failed)} fail. {about}"
     parts = [f'<p class="soft">{html.escape(said)}</p>']
     if failed:
-        parts += ["<h2>What fails</h2>", _check_table(failed)]
+        parts += ["<h2>Failed checks</h2>", _check_table(failed)]
     parts += [
         figures(
-            (name, band_figure(rows), "Grey: the tolerance. Each dot is a row of the table below.")
+            (
+                name,
+                band_figure(rows),
+                "Grey: the tolerance. Each dot is one row of the table below.",
+            )
             for name, rows in sections.items()
             if rows
         )
@@ -123,7 +127,7 @@ def interval_figure(quantity: str, rows: Rows, colour_of: Mapping[str, str]) -> 
 
 
 def band_figure(rows: Rows) -> str:
-    """Where in its tolerance each figure lies: -1 and 1 are the ends, 0 the middle."""
+    """Place of each value in its tolerance: -1 and 1 are the ends, 0 the middle."""
     places = np.array([place_of(row) for row in rows])
 
     def draw(axes: Axes) -> None:
@@ -142,7 +146,7 @@ def band_figure(rows: Rows) -> str:
 
 
 def ratio_figure(rows: Rows) -> str:
-    """Each figure over the published one, and where its tolerance lies."""
+    """Each value over the published one, with its tolerance."""
     names = [fill(f"{row['case']}, {row['quantity']}", LABEL_LETTERS) for row in rows]
     lines = max(name.count("\n") for name in names) + 1
     published = np.array([float(row["published"]) for row in rows])

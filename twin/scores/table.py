@@ -38,7 +38,7 @@ def score_rows(scores: Mapping[str, Any]) -> list[list[str]]:
 
 
 def end_lines(scores: Mapping[str, Any]) -> list[str]:
-    """How a run ended that was not driven as planned, its outcome in capitals; else nothing."""
+    """End of a run that was not driven as planned, its outcome in capitals; else nothing."""
     end, lines = scores.get("end"), []
     if end is not None and not end["as_planned"]:
         outcome, ended = end["outcome"], str(scores["ended"])
@@ -49,7 +49,7 @@ def end_lines(scores: Mapping[str, Any]) -> list[str]:
 
 
 def slip_lines(scores: Mapping[str, Any]) -> list[str]:
-    """What `twin estimate` found of slip, a sentence each; nothing for a simulated run."""
+    """Slip of a recorded drive, one sentence each; nothing for a simulated run."""
     lines = [f"{n}: {_spread(s)}, while driving" for n, s in scores.get("slip", {}).items()]
     for name, slip in scores.get("steady_slip", {}).items():
         lines.append(f"{name}: {_spread(slip)}, in steady work")

@@ -1,7 +1,7 @@
 """One run of a study, from the scenario to a Parquet file with a row for each estimator.
 
-What fails is a row with its error: a run's in all of its rows, an estimator's in its own. A run
-that was not driven as planned is no failure; its rows say how it ended, and what there is to score.
+An error is kept in the rows: that of a run in all its rows, that of an estimator in its own. A run
+that was not driven as planned is no failure: its rows say how it ended, with the scores there are.
 """
 
 from __future__ import annotations

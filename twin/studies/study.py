@@ -1,4 +1,4 @@
-"""A study as one call: what is missing of it is done, and its table and summary are written."""
+"""A study as one call: do its missing runs, then write its table and summary."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ PARTS, TABLE, SUMMARY, PLAN = "parts", "table.parquet", "summary.json", "study.j
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """What a study gave."""
+    """The result of a study."""
 
     folder: Path
     cases: Sequence[Case]
@@ -47,7 +47,7 @@ def study(
     options: Mapping[str, Any] | None = None,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Study:
-    """Scenarios x sweeps x seeds, every estimator on each; a study that was killed goes on.
+    """Scenarios x sweeps x seeds, every estimator on each; a stopped study can be continued.
 
     Args:
         scenarios, estimators: names, or `module:Name` of your own.
@@ -57,7 +57,7 @@ def study(
         against: an estimator that the others are compared with, seed by seed.
         jobs: processes; -1 for as many as the backend has.
         backend, options: where the runs run, as joblib calls it, and what it is told.
-        progress: told the share of the runs done.
+        progress: called with the share of the runs done.
 
     Raises:
         BadInput: a name or a field is unknown, or the folder is not a study's.
