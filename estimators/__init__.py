@@ -42,3 +42,16 @@ REGISTRY: dict[str, str] = {
     "slip-ekf-smooth": "estimators.slip_ekf.smooth:SLIP_EKF_SMOOTH",
 }
 """Name -> "module:Attribute"; nothing is imported until the name is asked for."""
+
+GROUPS: dict[str, tuple[str, ...]] = {
+    "baselines": ("ratio", "ratio-front"),
+    "published": (
+        "four-state-printed", "kf-z2", "pkf", "pso-pkf", "ma-pkf", "ima-pkf", "mmae", "whiteness",
+    ),
+    "this project's": (
+        "four-state", "kf-tuned", "pso-pkf-log", "ma-pkf-log", "ima-pkf-log", "sideslip-ekf",
+        "slip-ekf",
+    ),
+    "offline, of this project": ("slip-ekf-smooth",),
+}  # fmt: skip
+"""Where the estimators come from -> their names; every name stands in one group."""

@@ -1,4 +1,4 @@
-"""The paper's parallel Kalman filter whose Q and R a swarm searches for while it runs.
+"""The paper's parallel Kalman filter. A swarm searches for its Q and R while it runs.
 
 Two observers of all six states, each with Q and R of its own: one measures the ground speed by the
 front wheels, one by GNSS; the body's acceleration, the driven wheels' speed and its acceleration
@@ -163,18 +163,18 @@ class AdaptivePkf:
 
 
 PSO_PKF = AdaptivePkf(optimiser="pso")
-"""Parallel Kalman filter whose Q and R a particle swarm seeks, in a box of variances."""
+"""Parallel Kalman filter; a particle swarm searches variances for its Q and R."""
 MA_PKF = AdaptivePkf(optimiser="mayfly")
-"""The same, sought by mayflies."""
+"""Parallel Kalman filter; the mayfly algorithm searches variances for its Q and R."""
 IMA_PKF = AdaptivePkf(optimiser="improved-mayfly")
-"""The same, sought by improved mayflies (Fu et al.)."""
+"""Parallel Kalman filter; the improved mayfly algorithm searches variances for its Q and R."""
 LOGARITHMIC: Any = {"encoding": "log", "process_var": (1e-8, 1e-2)}
 PSO_PKF_LOG = AdaptivePkf(optimiser="pso", **LOGARITHMIC)
-"""Particle swarm in a box of logarithms of variances."""
+"""As pso-pkf, but the search is over logarithms of variances."""
 MA_PKF_LOG = AdaptivePkf(optimiser="mayfly", **LOGARITHMIC)
-"""Mayflies in a box of logarithms of variances."""
+"""As ma-pkf, but the search is over logarithms of variances."""
 IMA_PKF_LOG = AdaptivePkf(optimiser="improved-mayfly", **LOGARITHMIC)
-"""Improved mayflies in a box of logarithms of variances."""
+"""As ima-pkf, but the search is over logarithms of variances."""
 
 
 @compiled

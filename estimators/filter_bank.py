@@ -124,9 +124,9 @@ class FilterBank:
 
 
 MMAE = FilterBank()
-"""Multiple-model adaptive estimation: the bank weighed by likelihood."""
+"""Bank of Kalman filters weighted by likelihood (multiple-model adaptive estimation)."""
 WHITENESS = FilterBank(rule="whiteness")
-"""The filter of the bank whose innovations are the whitest."""
+"""Of a bank of Kalman filters, the one with the whitest innovations."""
 
 
 @compiled

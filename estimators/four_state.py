@@ -53,7 +53,7 @@ MEMORY = np.dtype(
 
 @dataclass(frozen=True, kw_only=True)
 class FourState:
-    """Kalman filter on x = [v, a, w, a_w], with the accelerometer's bias b and a w for each wheel.
+    """Kalman filter on x = [v, a, w, a_w], with an accelerometer bias and each wheel's own speed.
 
     dv = a dt,  da = dW_v,  db = dW_b,  dw = a_w dt,  da_w = dW_w    (white jerk)
     GNSS           z = v - a tau             sd of the data sheet

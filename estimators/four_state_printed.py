@@ -41,7 +41,7 @@ MEMORY = np.dtype(
 
 @dataclass(frozen=True, kw_only=True)
 class FourStatePrinted:
-    """Kalman filter on x = [v, a, w, a_w] at 10 Hz; no accelerometer, as in the paper's H.
+    """Kalman filter on x = [v, a, w, a_w] at 10 Hz, without accelerometer, as the paper prints it.
 
     A = blkdiag([[1, dt], [0, 1]], [[1, dt], [0, 1]]),   H = [[1, 0, 0, 0], [0, 0, 1, 0]]
     dt = 0.1 s,   s = (w - v) / max(|w|, |v|, 0.05 m/s)

@@ -135,10 +135,10 @@ class ParallelKf:
 
 
 KF_Z2 = ParallelKf(observers=(("gnss",),), process_var=(1.0, 1.0, 1.0))
-"""The paper's "KF" as far as its figures tell: observer Z2 alone, Q = I; almost the raw ratio."""
+"""Kalman filter with observer Z2 alone and Q = I: the paper's "KF", read from its figures."""
 
 PKF = ParallelKf(observers=(("front",), ("gnss",)), process_var=(1e-3, 1e-3, 1e-3))
-"""The paper's parallel filter before its optimiser, Q = 1e-3 I, which meets its published error."""
+"""Parallel Kalman filter with fixed Q = 1e-3 I: the paper's filter without its optimiser."""
 
 KF_TUNED = ParallelKf(
     observers=(("front", "gnss"),),
@@ -153,9 +153,11 @@ KF_TUNED = ParallelKf(
     front_offset_sd_mps=0.05,
     front_offset_psd_m2ps3=1e-5,
 )
-"""One filter of all five measurements, tuned on physics: a white jerk of 0.2 m2/s5 (0.3 m/s2 that
-decorrelates in about 1 s), the sensors' own sd, 0.2 m/s2 of vibration, 3 degrees of tilt, and front
-wheels that are 3 % of a working speed off, by their radius and skid under motion resistance."""
+"""Kalman filter of all five measurements with physical noise values in place of tuned ones.
+
+Process noise: a white jerk of 0.2 m2/s5 (0.3 m/s2 that decorrelates in about 1 s). Measurement
+noise: the sensors' own sd, 0.2 m/s2 of vibration, 3 degrees of tilt. The front wheels are 3 % of a
+working speed off, by their radius and by their skid under motion resistance."""
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""Slip as the plain ratio of the newest speeds: what an unfiltered slip meter shows."""
+"""Slip as the ratio of the newest speeds, without a filter, as a slip meter shows it."""
 
 from __future__ import annotations
 
@@ -42,7 +42,9 @@ class Ratio:
 
 
 RATIO = Ratio()
+"""Slip from the newest wheel and GNSS speeds, without a filter, as a slip meter shows it."""
 RATIO_FRONT = Ratio(towed=True)
+"""Slip from the newest speeds of the driven and the free front wheels, without a filter."""
 
 
 @compiled

@@ -118,7 +118,7 @@ def test_quiet_says_nothing(stub: list[Any], capsys: pytest.CaptureFixture[str])
     [
         (["run", "stab"], "no scenario is called 'stab'; did you mean 'stub'?"),
         (["rum"], "no command is called 'rum'; did you mean 'run'?"),
-        (["--seed", "3"], "--seed stands before a command"),
+        (["--seed", "3"], "--seed comes before the command"),
         (["run"], "twin run needs the name of a scenario first"),
         (["run", "--seed", "3", "stub"], "twin run needs the name of a scenario first"),
         (["run", "stub", "--soil.friction", "9"], "soil.friction = 9 is outside [0.05, 1.5]"),
@@ -129,7 +129,7 @@ def test_quiet_says_nothing(stub: list[Any], capsys: pytest.CaptureFixture[str])
         (["run", "stub", "--sol.friction", "1"], "did you mean --soil.friction?"),
         (["run", "stub", "--length-m", "0"], "length_m = 0 is outside [1, 2000]"),
         (["run", "stub", "--seed"], "Missing value for argument '--seed'"),
-        (["run", "stub", "--estimators", ","], "--estimators names none"),
+        (["run", "stub", "--estimators", ","], "--estimators is empty"),
         (["run", "stub", "--out", "/"], "/ exists and is not a run folder"),
         (["view", "nowhere"], "nowhere does not exist"),
         (["view"], "twin view needs"),

@@ -1,7 +1,7 @@
 """The command `twin`: finds the subcommand, and turns every error into one line and a status.
 
-Status 0; 2 for bad input, with one line on stderr; 130 when interrupted. Nothing heavy is imported
-before the subcommand that needs it.
+Status 0; 1 where a promise or an estimator fails, or the disk is full; 2 for bad input, with one
+line on stderr; 130 when interrupted. Nothing heavy is imported before the subcommand that needs it.
 """
 
 from __future__ import annotations
@@ -12,26 +12,38 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-from twin.errors import BadInput, TwinError, UnknownName
+from twin.compute.waiting import told_of_compiling
+from twin.errors import BadInput, NoSpace, TwinError, UnknownName
 
 COMMANDS: dict[str, tuple[str, str]] = {
-    "list": ("twin.commands.list", "scenarios, machines, soils and estimators"),
-    "run": ("twin.commands.run", "NAME: simulate a scenario, estimate, score, write a run folder"),
+    "list": ("twin.commands.list", "list scenarios, machines, soils and estimators"),
+    "run": (
+        "twin.commands.run",
+        "NAME: simulate a scenario, run and score estimators, write a run folder",
+    ),
     "estimate": ("twin.commands.estimate", "LOG: run the estimators on a recorded drive"),
-    "reproduce": ("twin.commands.reproduce", "PAPER: published figures and ours side by side"),
-    "validate": ("twin.commands.validate", "check against mechanics, print and field data"),
-    "study": ("twin.commands.study", "SCENARIOS: many seeds and settings, means with intervals"),
-    "rig": ("twin.commands.rig", "wheel | drawbar | slope | park: a test rig, its CSV and figure"),
+    "reproduce": ("twin.commands.reproduce", "PAPER: compare published results with the twin's"),
+    "validate": (
+        "twin.commands.validate",
+        "check the twin against mechanics, published laws and field data",
+    ),
+    "study": (
+        "twin.commands.study",
+        "SCENARIOS: run many seeds and settings; means with intervals",
+    ),
+    "rig": ("twin.commands.rig", "wheel | drawbar | slope | park: run a test rig; CSV and figure"),
     "compare-controllers": (
         "twin.commands.compare_controllers",
-        "slip controllers and saved policies on the same held-out grounds",
+        "compare slip controllers and saved policies on held-out grounds",
     ),
     "view": ("twin.commands.view", "DIR: open the recording of a run folder"),
     "bench": ("twin.commands.bench", "measure speed and memory on this machine"),
 }
 """Subcommand -> (module with `main(args) -> status`, what it does)."""
+COMPILING_S = 60
+"""Time in which a run's functions are compiled where none is kept, on one core [s]."""
 
-BAD_INPUT, INTERRUPTED = 2, 130
+FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -44,15 +56,24 @@ def main(argv: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a terminal without ± gets ?, not a traceback
     try:
-        return _dispatch(args)
+        status = _dispatch(args)
+        sys.stdout.flush()
+        return status
+    except NoSpace as error:
+        return _refuse(str(error), FAILED)
     except TwinError as error:
         return _refuse(str(error) + _left_by(error))
     except KeyboardInterrupt:
         print("twin: interrupted; nothing was written", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output has gone, as in `twin list | head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return 0
+    except OSError as error:
+        if error.errno not in _full():
+            raise
+        _drop_output()
+        return _refuse(f"the output cannot be written: {error.strerror}", FAILED)
     except SystemExit as end:  # tyro, after printing help
         return end.code if isinstance(end.code, int) else 0
 
@@ -66,13 +87,23 @@ def _dispatch(args: Sequence[str]) -> int:
         return 0
     if args[0].startswith("-"):
         raise BadInput(
-            f"{args[0]} stands before a command; the commands are: {', '.join(COMMANDS)}"
+            f"{args[0]} comes before the command; the commands are: {', '.join(COMMANDS)}"
         )
     if args[0] not in COMMANDS:
         raise UnknownName("command", args[0], COMMANDS)
     module, _ = COMMANDS[args[0]]
-    status: int = import_module(module).main(args[1:])
+    with told_of_compiling(_say_compiling if _talks(args) else lambda: None):
+        status: int = import_module(module).main(args[1:])
     return status
+
+
+def _talks(args: Sequence[str]) -> bool:
+    """Whether progress is shown: on a terminal, unless it is not wanted."""
+    return sys.stderr.isatty() and not {"--quiet", "--json"} & set(args)
+
+
+def _say_compiling() -> None:
+    print(f"twin: compiling once, about {COMPILING_S} s", file=sys.stderr)
 
 
 def _help() -> str:
@@ -82,12 +113,13 @@ def _help() -> str:
         (
             "usage: twin COMMAND [OPTIONS]",
             "",
-            "A simulated tractor and plough, the streams its sensors would give, and estimators",
-            "of wheel slip and sideslip scored against the truth.",
+            "Simulate a tractor and plough and their sensors. Run estimators of wheel slip and",
+            "sideslip on the sensor streams. Score them against the truth.",
             "",
             *lines,
             "",
-            "twin COMMAND --help says more; twin run NAME --help lists what a scenario can change.",
+            "twin COMMAND --help describes a command.",
+            "twin run NAME --help lists the fields of a scenario.",
         )
     )
 
@@ -112,9 +144,20 @@ def _left_by(error: TwinError) -> str:
     return f"; {folder} repeats it (twin.simulation.guard.replay)"
 
 
-def _refuse(message: str) -> int:
+def _full() -> frozenset[int]:
+    from twin.io.atomic import FULL
+
+    return FULL
+
+
+def _drop_output() -> None:
+    """Send what is left of our output nowhere, so that Python does not try again at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _refuse(message: str, status: int = BAD_INPUT) -> int:
     print("twin: " + " ".join(message.split()), file=sys.stderr)
-    return BAD_INPUT
+    return status
 
 
 if __name__ == "__main__":

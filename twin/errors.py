@@ -31,6 +31,10 @@ class BadInput(TwinError, ValueError):
     """A file, a stream or an option that cannot be used as it is."""
 
 
+class NoSpace(BadInput):
+    """A disk, or a user's share of it, that is full: nothing is wrong with the input."""
+
+
 def check_range(name: str, value: float, low: float, high: float) -> None:
     """Raise OutOfRange unless low <= value <= high (NaN is outside)."""
     if not low <= value <= high:

@@ -1,4 +1,4 @@
-"""Sideslip from a camera that looks down, GNSS, gyro and wheels, with what is not mounted true.
+"""Sideslip from a downward camera, GNSS, gyro and wheels, with mounting errors estimated.
 
 plane    the ground plane against the horizontal
 tilt     which way is up in it

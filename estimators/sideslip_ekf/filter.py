@@ -99,7 +99,7 @@ class State:
 
 @dataclass(frozen=True, kw_only=True)
 class SideslipEkf:
-    """Extended Kalman filter on speeds, heading, slides, and what is not mounted true.
+    """Extended Kalman filter of camera, GNSS, gyro and wheels for sideslip, with mounting errors.
 
         x = [v_x, v_y of the camera, heading, gyro bias, heading bias, camera yaw, camera scale,
              wheel scale, slide of the centre of gravity, slide of the rear axle,

@@ -42,8 +42,8 @@ class SlipEkf:
     The state and how it moves: `model`; the rows and when they are refused: `filter`, `rows`. Ticks
     are taken as travel, whose rounding does not add up, and not as speeds, whose rounding does.
     GNSS meets the speed of its own epoch, v - a age. Defaults are from physics and from other seeds
-    than the tests'. What of its noise the streams show is heard: the accelerometer's, how restless
-    the motion is (`noise`), and that of the driven wheels, by how their counts surprise.
+    than the tests'. Three noise levels are estimated from the streams: that of the accelerometer,
+    the process noise of the motion (`noise`), and that of the driven wheels from their innovations.
     """
 
     jerk_psd: float = 0.03
@@ -168,3 +168,4 @@ class SlipEkf:
 
 
 SLIP_EKF = SlipEkf()
+"""Extended Kalman filter of GNSS, IMU and wheel speeds; slip from its two speeds."""

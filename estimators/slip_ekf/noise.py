@@ -1,6 +1,6 @@
-"""What the accelerometer tells of its own noise, and of how restless the motion is.
+"""Noise of the accelerometer and process noise of the motion, estimated from the accelerometer.
 
-No data sheet knows the engine under it, and no tuning the field under the machine.
+The vibration depends on the engine and the motion on the field; neither is on a data sheet.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The offline twin: the same filter forward, then Rauch, Tung and Striebel's smoother backward.
+"""The offline smoother: slip-ekf forward, then Rauch, Tung and Striebel's smoother backward.
 
 It sees the whole log, so it is not causal, and what it says depends on where the log was cut.
 
@@ -309,3 +309,4 @@ def _walk(time: Array, measured: Array, noise: Array, psd: float) -> tuple[Array
 
 
 SLIP_EKF_SMOOTH = SlipEkfSmooth()
+"""Rauch-Tung-Striebel smoother of slip-ekf: it needs the whole log."""

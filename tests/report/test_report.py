@@ -15,8 +15,10 @@ from tests.synthetic_run import synthetic_run
 from twin import report
 from twin.io.result_rows import row
 from twin.io.run_folder import Record
-from twin.report import errors, figures
-from twin.report.page import flat, page
+from twin.report import draw, errors, figures
+from twin.report.page import drawings, flat, page
+from twin.report.palette import looks
+from twin.report.printed import WIDTHS_MM, write_print
 from twin.report.rows import place_of, write_checks, write_intervals
 from twin.reproduce import story
 from twin.scores import scores
@@ -41,13 +43,18 @@ def written(write: Callable[..., None], *args: Any) -> str:
         return file.read_text(encoding="utf-8")
 
 
+def shown(drawing: draw.Drawing | None) -> str:
+    assert drawing is not None
+    return drawing.svg()
+
+
 CHECKS = written(write_checks, "Checks", "About.", {"Analytic": MEASURED}, "twin validate")
 MEANS = written(write_intervals, "Means", "About.", SPREAD, "twin compare-controllers")
 
 
 def test_a_page_of_checks_puts_what_fails_first() -> None:
     assert "2 rows, 1 pass, 1 fail" in CHECKS
-    failing = CHECKS[CHECKS.index("What fails") : CHECKS.index("<figure>")]
+    failing = CHECKS[CHECKS.index("Failed checks") : CHECKS.index("<figure>")]
     assert "&lt;slope&gt;" in failing
     assert "coasting" not in failing
     assert "0.63 to 0.66" in CHECKS
@@ -90,22 +97,57 @@ def test_power_that_goes_adds_up_in_its_figure() -> None:
     n = len(RUN.truth["epoch_ns"])  # type: ignore[index]
     parts = {"engine": 60e3, "drawbar": 36e3, "slip_long": 24e3}
     truth = {**(RUN.truth or {}), **{f"power_{k}_w": np.full(n, v) for k, v in parts.items()}}
-    drawn = figures.power(truth, (6.0, 20.0))
+    drawn = shown(figures.power(truth, (6.0, 20.0)))
     assert all(text in drawn for text in ("36.0 kW, 60%", "24.0 kW, 40%", "of 60.0 kW"))
     falling = {**truth, "potential_j": -15e3 * (truth["epoch_ns"] * 1e-9)}
-    drawn = figures.power(falling, (6.0, 20.0))
+    drawn = shown(figures.power(falling, (6.0, 20.0)))
     assert "of 75.0 kW: engine 60.0, height and speed lost 15.0" in drawn
     assert "36.0 kW, 48%" in drawn
 
 
 def test_bounds_are_lines_among_the_errors() -> None:
-    given = (RUN.truth, RUN.estimates, (6.0, 20.0))
+    given: Any = (RUN.truth, RUN.estimates, (6.0, 20.0))
     bound = {"slip_causal": 0.002, "slip_offline": 0.001, "sideslip_causal_rad": 0.003}
-    assert all(f"bound, {w}" in errors.slip_error(*given, bound) for w in ("causal", "offline"))  # type: ignore[arg-type]
-    angle = errors.angle_error(*given, bound)  # type: ignore[arg-type]
+    slip = shown(errors.slip_error(*given, bound))
+    assert all(f"bound, {when}" in slip for when in ("causal", "offline"))
+    angle = shown(errors.angle_error(*given, bound))
     assert "bound, causal" in angle
     assert "bound, offline" not in angle
-    assert "bound" not in errors.slip_error(*given, {})  # type: ignore[arg-type]
+    assert "bound" not in shown(errors.slip_error(*given, {}))
+
+
+def test_no_line_is_drawn_across_a_gap_of_time() -> None:
+    epoch_ns = np.delete(np.arange(2000, dtype=np.int64) * 10_000_000, slice(800, 1200))
+    table = {
+        "epoch_ns": epoch_ns,
+        "slip": np.ones(len(epoch_ns)),
+        "flags": np.ones(len(epoch_ns), int),
+    }
+    for most in (100, 700, 5000):
+        rows = draw.thinned(table, most)
+        assert np.isnan(rows["slip"]).sum() == 1
+        assert len(rows["flags"]) == len(rows["slip"]) == len(rows["epoch_ns"])
+        apart = np.diff(rows["epoch_ns"][np.isfinite(rows["slip"])]) > 3e9
+        assert apart.sum() == 1
+    whole = {name: column[:700] for name, column in table.items()}
+    assert np.isfinite(draw.thinned(whole)["slip"]).all()
+
+
+def test_an_estimator_has_one_look_whatever_stands_beside_it() -> None:
+    alone = looks(["four-state"])["four-state"]
+    assert looks(["mine", "slip-ekf", "four-state", "ratio"])["four-state"] == alone
+    many = looks([f"mine{i}" for i in range(20)] + ["ratio", "four-state"])
+    assert len(set(many.values())) == 22
+
+
+def test_every_figure_of_a_report_has_a_file_at_print_size(tmp_path: Path) -> None:
+    drawn = drawings(RUN, SCORES)
+    names = write_print(drawn, tmp_path / "printed")
+    assert names == sorted(f"{name}.{kind}" for name in drawn for kind in ("pdf", "svg"))
+    for name, each in drawn.items():
+        root = ElementTree.parse(tmp_path / "printed" / f"{name}.svg").getroot()
+        width_mm = float(root.get("width", "").removesuffix("pt")) * 25.4 / 72.0
+        assert width_mm == pytest.approx(WIDTHS_MM[each.columns], abs=0.1)
 
 
 def test_errors_in_blocks_are_those_of_the_scores() -> None:

@@ -4,8 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
 from twin.io import result_rows as rows_file
+from twin.report.printed import write_png
 from twin.studies import figures, groups, quantities, rows, summary
 
 RNG = np.random.default_rng(0)
@@ -82,7 +84,36 @@ def test_units_are_read_off_the_name(quantity, unit):
 def test_a_figure_of_what_was_measured_and_none_of_what_was_not(tmp_path, swept):
     table = [row(s, e, 0.1 * s, friction=f) for s in range(3) for e in "ab" for f in (0.6, 0.8)]
     found = groups(table, swept)
-    assert figures.draw(found, "slip.rmse", tmp_path / "a.png", label="RMSE")
+    drawn = figures.picture(found, "slip.rmse", figures.Drawn("RMSE [%]", 100.0))
+    assert drawn is not None
+    write_png(drawn, tmp_path / "a.png")
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
-    assert not figures.draw(found, "sideslip_m.true_m", tmp_path / "b.png", label="m")
-    assert not (tmp_path / "b.png").exists()
+    assert figures.picture(found, "sideslip_m.true_m", figures.Drawn("m", 1.0)) is None
+
+
+@pytest.mark.parametrize("swept", [[], ["soil.friction"]])
+def test_bars_end_at_zero_labels_are_whole_and_the_bound_is_drawn(swept):
+    long = "a-scenario-of-a-rather-long-name-that-must-be-whole-on-its-axis"
+    rmse = (0.001, 0.0, 0.05)  # the interval about their mean reaches below zero
+    table = [
+        row(s, "a", rmse[s], scenario=long, friction=f) | {"bound.slip_causal": 0.004}
+        for s in range(3)
+        for f in (0.6, 0.8)
+    ]
+    found = groups(table, swept)
+    assert summary.mean_of(found[0], "slip.rmse").low == 0.0
+    assert summary.mean_of(found[0], "slip.bias").n == 0
+    how = figures.Drawn("RMSE of slip [%]", 100.0, "bound.slip_causal")
+    drawn = figures.picture(found, "slip.rmse", how)
+    figure = drawn.figure()
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    bars = [s for c in axes.collections for s in c.get_segments() if c.get_label() != "bound"]
+    side = 1 if swept else 0
+    assert min(np.min(bar[:, side]) for bar in bars) >= 0.0
+    assert "bound" in axes.get_legend_handles_labels()[1]
+    texts = [t for t in figure.findobj(Text) if t.get_text() and t.get_visible()]
+    assert any(long in t.get_text().replace("\n", "") for t in texts)
+    seen, size = figure.get_tightbbox(), figure.get_size_inches()
+    assert seen.min.min() >= 0.0
+    assert (seen.max <= size).all()

@@ -15,6 +15,7 @@ from twin.camera.pinhole import Pinhole, View
 from twin.camera.planar import planar
 from twin.camera.renderer import Renderer
 from twin.errors import BadInput
+from twin.io.atomic import made, write_bytes
 from twin.streams import Frames
 
 Image = NDArray[np.uint8]
@@ -125,14 +126,14 @@ class SavedFrames(Mapping[int, Image]):
 
 
 def save(frames: Frames, folder: Path) -> list[Path]:
-    """Write every frame as PNG, one at a time; the paths. Raises BadInput."""
+    """Write every frame as PNG, one at a time; the paths. Raises NoSpace or BadInput."""
     import cv2
 
-    folder.mkdir(parents=True, exist_ok=True)
     paths = []
-    for number in frames:
-        path = folder / NAME.format(number)
-        if not cv2.imwrite(str(path), frames[number]):
-            raise BadInput(f"{path} cannot be written")
-        paths.append(path)
+    with made(folder):
+        for number in frames:
+            path = folder / NAME.format(number)
+            _, png = cv2.imencode(path.suffix, frames[number])
+            write_bytes(path, png.tobytes())
+            paths.append(path)
     return paths

@@ -1,4 +1,4 @@
-"""`twin bench`: measured speed and memory, as rows."""
+"""`twin bench`: measure speed and memory."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ from typing import Any
 
 from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
-from twin.commands.terminal import console, waiting
+from twin.commands.tables import Column, print_table
+from twin.commands.terminal import waiting
 
-COLUMNS = ("published", "reference", "low", "high", "unit", "passed")
+RANKS = {"published": 0, "reference": 2, "low": 3, "high": 3, "unit": 1, "passed": 0}
+"""Column of a row -> its rank: the greatest is left out first, 0 never."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Bench(Output):
-    """Measure speed and memory on this machine, beside the values promised."""
+    """Measure speed and memory on this computer and compare them with the promised values."""
 
 
 def main(args: Sequence[str]) -> int:
@@ -33,20 +35,16 @@ def main(args: Sequence[str]) -> int:
 
 
 def print_rows(measured: Sequence[Mapping[str, Any]]) -> None:
-    """Rows as a table of case, quantity, value and what was promised."""
-    from rich import box
-    from rich.table import Table
-
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for header, justify in (("case", "left"), ("quantity", "left"), ("ours", "right")):
-        table.add_column(header, justify=justify)  # type: ignore[arg-type]
-    shown = [key for key in COLUMNS if any(key in row for row in measured)]
-    for header in shown:
-        table.add_column(header)
-    for row in measured:
-        values = [_text(row.get(key)) for key in ("ours", *shown)]
-        table.add_row(str(row["case"]), str(row["quantity"]), *values)
-    console().print(table)
+    """Print rows as a table: case, quantity, value, promised value."""
+    columns = [
+        Column(heading=name, cells=[str(row[name]) for row in measured], text=True)
+        for name in ("case", "quantity")
+    ]
+    for name, rank in {"ours": 0, **RANKS}.items():
+        if any(name in row for row in measured):
+            cells = [_text(row.get(name)) for row in measured]
+            columns.append(Column(heading=name, cells=cells, rank=rank, text=name == "unit"))
+    print_table(columns)
 
 
 def _text(value: Any) -> str:

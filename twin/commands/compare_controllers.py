@@ -1,4 +1,4 @@
-"""`twin compare-controllers`: baselines and saved policies on the same held-out grounds."""
+"""`twin compare-controllers`: compare controllers on the same held-out grounds."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import tyro
 
 from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
-from twin.commands.terminal import console, progress
+from twin.commands.tables import Column, print_table
+from twin.commands.terminal import progress, say
 from twin.errors import UnknownName, check_range
 
 OBSERVATIONS = ("estimate", "truth")
@@ -19,20 +20,20 @@ OBSERVATIONS = ("estimate", "truth")
 
 @dataclass(frozen=True, kw_only=True)
 class CompareControllers(Output):
-    """Drive the baselines and any saved policy over the same held-out grounds."""
+    """Compare slip controllers: each drives over the same held-out grounds."""
 
     env: str = "Plough-v0"
     """Environment: Plough-v0 or WheelSlip-v0."""
     episodes: int = 50
-    """Held-out grounds."""
+    """How many held-out grounds each controller drives over."""
     policy: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()
-    """A policy saved by stable-baselines3; may be given several times."""
+    """File of a policy saved by stable-baselines3; may be given several times."""
     duration_s: float = 20.0
-    """Length of an episode; what is judged begins 5 s after its start."""
+    """Length of an episode [s]; what is scored begins 5 s after its start."""
     observation: str = "estimate"
-    """What the controllers see: estimate or truth."""
+    """What the controllers observe: estimate or truth."""
     report: Path | None = None
-    """File for an HTML page: means with intervals, as table and figures."""
+    """File for an HTML page with means and intervals, as a table and as figures."""
 
 
 def main(args: Sequence[str]) -> int:
@@ -74,7 +75,7 @@ def _report(found: Sequence[Mapping[str, Any]], options: CompareControllers) -> 
 
     about = (
         f"{options.env}, {options.episodes} held-out grounds of {options.duration_s:g} s, the same "
-        f"for all; controllers see the {options.observation}. Means and their 95 % intervals."
+        f"for all; controllers observe the {options.observation}. Means and their 95 % intervals."
     )
     policies = "".join(f" --policy {file}" for file in options.policy)
     command = (
@@ -90,23 +91,25 @@ def print_comparison(found: Sequence[Mapping[str, Any]], names: Sequence[str], c
 
     Of the paired differences the reward's alone; the rows hold all.
     """
-    from rich import box
-    from rich.table import Table
-
     named = dict.fromkeys(row["quantity"] for row in found)
     quantities = [n for n in named if "paired" not in n or n.startswith("reward")]
-    title = f"{count} held-out grounds, the same for all; mean ± half the 95 % interval"
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=title, title_justify="left")
-    table.add_column("controller")
-    for quantity in quantities:
+    cells = {(row["case"], row["quantity"]): row for row in found}
+    columns = [Column(heading="controller", cells=names, text=True)]
+    for rank, quantity in enumerate(quantities):
         unit = next(row["unit"] for row in found if row["quantity"] == quantity)
         name = quantity.replace("_", " ")
-        table.add_column(name if unit == "1" else f"{name} {unit}", justify="right")
-    cells = {(row["case"], row["quantity"]): row for row in found}
-    for name in names:
-        line = [_cell(cells.get((name, quantity))) for quantity in quantities]
-        table.add_row(name, *line)
-    console().print(table)
+        columns.append(
+            Column(
+                heading=name if unit == "1" else f"{name} [{unit}]",
+                cells=[_cell(cells.get((controller, quantity))) for controller in names],
+                rank=rank,
+            )
+        )
+    say(
+        f"{count} held-out grounds, the same for all; mean ± half the 95 % interval",
+        style="italic",
+    )
+    print_table(columns)
 
 
 def _cell(row: Mapping[str, Any] | None) -> str:

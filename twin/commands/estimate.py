@@ -1,4 +1,4 @@
-"""`twin estimate LOG`: the same estimators on a recorded drive."""
+"""`twin estimate LOG`: run estimators on a recorded drive."""
 
 from __future__ import annotations
 
@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
+from twin.commands.output import check_folder
 from twin.commands.parse import parse
 from twin.commands.run import DEFAULT_ESTIMATORS, load_estimators, status
-from twin.commands.terminal import console, counting, print_scores
+from twin.commands.score_table import print_scores
+from twin.commands.terminal import counting, say
 from twin.errors import BadInput
 from twin.scores.table import slip_lines
 
@@ -26,25 +28,27 @@ class Estimate:
     """Run the estimators on a recorded drive: a run folder, CSV, Parquet or NMEA 0183."""
 
     log: Annotated[Path, tyro.conf.Positional]
-    """The log."""
+    """The recorded drive."""
     map: Path | None = None
-    """TOML that says which column is what, and in which unit."""
+    """TOML file that gives the meaning and the unit of each column."""
     reader: str | None = None
     """What reads it, csv, parquet, nmea or run-folder, or module:Name of your own."""
     out: Path | None = None
-    """Folder to write; runs/<name of the log> by default."""
+    """Folder for the results; by default runs/<name of the log>."""
+    figures: Path | None = None
+    """Folder for the report's figures as SVG and PDF, one column (85 mm) wide."""
     estimators: str = DEFAULT_ESTIMATORS
-    """Names, or module:Name of your own, separated by commas."""
+    """Estimators, separated by commas: names, or module:Name of your own."""
     view: bool = False
-    """Open the recording when done."""
+    """Open the recording in the rerun viewer at the end."""
     quiet: bool = False
-    """Say nothing but errors."""
+    """Print errors only."""
     json: bool = False
-    """Print scores and slip as JSON instead of tables."""
+    """Print the scores and slip as JSON instead of tables."""
 
 
 def main(args: Sequence[str]) -> int:
-    """Read a log, run the estimators, write the folder, print what they say."""
+    """Read a log, run the estimators, write the folder, print the result."""
     options = parse(Estimate, args, prog="twin estimate")
     from twin.io import run_folder
 
@@ -52,6 +56,7 @@ def main(args: Sequence[str]) -> int:
     if directory.resolve() == options.log.resolve():
         raise BadInput(f"--out {directory} is the log itself; choose another folder")
     run_folder.refuse_foreign(directory)
+    check_folder("figures", options.figures)
     estimators = load_estimators(options.estimators)
     from twin import logs
     from twin.pipeline.log import estimate
@@ -61,6 +66,8 @@ def main(args: Sequence[str]) -> int:
     with counting("estimating", "estimators", shown=shown) as told:
         result = estimate(options.log, options.map, estimators=estimators, reader=reader, told=told)
     result.save(directory, command=f"twin estimate {shlex.join(args)}")
+    if options.figures is not None:
+        result.figures(options.figures)
     _say(result, directory, options)
     if options.view:
         from twin import viz
@@ -73,9 +80,8 @@ def _say(result: Result, directory: Path, options: Estimate) -> None:
     if options.json:
         print(json.dumps(result.scores, indent=2))
     elif not options.quiet:
-        out = console()
         print_scores(result.scores)
         notes = [f"note: {note}" for note in result.notes]
         files = f"{directory}/report.html, {directory}/run.rrd"
         for line in (*slip_lines(result.scores), *notes, files):
-            out.print(line, highlight=False, markup=False)
+            say(line)

@@ -1,4 +1,4 @@
-"""`twin list`: what there is, by name."""
+"""`twin list`: print all scenarios, machines, soils and estimators."""
 
 from __future__ import annotations
 
@@ -10,31 +10,40 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from twin.commands.parse import parse
-from twin.commands.terminal import console
+from twin.commands.terminal import say
 
 
 @dataclass(frozen=True, kw_only=True)
 class List:
-    """Scenarios, machines, soils and estimators, each with one line."""
+    """List scenarios, machines, soils and estimators with one line each."""
 
     json: bool = False
-    """Print JSON."""
+    """Print JSON instead of text."""
 
 
 def main(args: Sequence[str]) -> int:
-    """Print everything that can be named."""
+    """Print every name with its description."""
+    import estimators
+
     options = parse(List, args, prog="twin list")
     groups = everything()
     if options.json:
         print(json.dumps(groups, indent=2))
         return 0
-    out = console()
     for title, entries in groups.items():
-        out.print(f"[bold]{title}[/bold]")
-        width = max((len(name) for name in entries), default=0)
-        for name, about in entries.items():
-            out.print(f"  {name:<{width}}  {about}", highlight=False, markup=False)
+        if title != "estimators":
+            _print(title, entries)
+            continue
+        for group, names in estimators.GROUPS.items():
+            _print(f"estimators, {group}", {name: entries[name] for name in names})
     return 0
+
+
+def _print(title: str, entries: Mapping[str, str]) -> None:
+    say(title, style="bold")
+    width = max((len(name) for name in entries), default=0)
+    for name, about in entries.items():
+        say(f"  {name:<{width}}  {about}", indent=width + 4)
 
 
 def everything() -> dict[str, dict[str, str]]:
@@ -82,18 +91,6 @@ def _file(module: str) -> Path | None:
     place = Path(spec.submodule_search_locations[0]).joinpath(*inner)
     file = place / "__init__.py" if place.is_dir() else place.with_name(f"{place.name}.py")
     return file if file.exists() else None
-
-
-def _source(module: str) -> Path | None:
-    """A module's file; only its outermost package is imported, as finding its spec would do all."""
-    package, *within = module.split(".")
-    spec = find_spec(package)
-    if spec is None or spec.origin is None:
-        return None
-    if not within:
-        return Path(spec.origin)
-    stem = Path(spec.origin).parent.joinpath(*within)
-    return next((f for f in (stem.with_suffix(".py"), stem / "__init__.py") if f.exists()), None)
 
 
 def _attribute_doc(tree: ast.Module, attribute: str) -> str | None:

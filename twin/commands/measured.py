@@ -1,4 +1,4 @@
-"""What a rig measured: its files, the tables on the terminal, and the same as JSON."""
+"""The result of a rig as files, as tables on the terminal and as JSON."""
 
 from __future__ import annotations
 
@@ -7,48 +7,63 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from twin.commands.terminal import console
-from twin.errors import BadInput
+from twin.commands.tables import Column, print_table
 from twin.io.atomic import moved_when_complete
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Columns = Mapping[str, Any]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Talk:
-    """What is said of what was measured."""
+class Told:
+    """How the result is shown."""
 
     quiet: bool = False
-    """Say nothing but errors."""
+    """Print errors only."""
     json: bool = False
     """Print the columns of every CSV as JSON instead of tables."""
+    figures: Path | None = None
+    """Folder for the figure as SVG and PDF, as wide as a printed page's text (175 mm)."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """What a rig found."""
+    """The result of a rig."""
 
     files: Mapping[str, Columns]
     """CSV name -> its columns."""
     shown: Sequence[Columns]
-    """What the terminal shows."""
+    """Tables for the terminal."""
     figure: str
-    draw: Callable[[Path], None]
+    """File name of the figure."""
+    draw: Callable[[], Figure]
 
-    def write(self, folder: Path) -> list[Path]:
-        """Write all files or none of them; their paths. Raises BadInput."""
+    def write(self, folder: Path, figures: Path | None = None) -> list[Path]:
+        """Write all files or none of them; their paths.
+
+        Args:
+            folder: of the tables and the figure as PNG.
+            figures: folder of the figure as SVG and PDF; None for none.
+
+        Raises:
+            BadInput: a folder cannot be written.
+        """
+        from twin.report.printed import Picture, write_png, write_print
         from twin.rig.table import write_csv
 
-        try:
-            with moved_when_complete(folder) as partial:
-                for name, columns in self.files.items():
-                    write_csv(columns, partial / name)
-                self.draw(partial / self.figure)
-        except OSError as error:
-            raise BadInput(f"--out {folder} cannot be written: {error.strerror}") from None
-        return [folder / name for name in (*self.files, self.figure)]
+        drawn = Picture(self.draw)
+        with moved_when_complete(folder) as partial:
+            for name, columns in self.files.items():
+                write_csv(columns, partial / name)
+            write_png(drawn, partial / self.figure)
+        paths = [folder / name for name in (*self.files, self.figure)]
+        if figures is None:
+            return paths
+        return paths + [figures / n for n in write_print({Path(self.figure).stem: drawn}, figures)]
 
     def to_json(self) -> str:
         """The columns of every file; what is not known is null."""
@@ -65,13 +80,14 @@ def _plain(value: Any) -> float | None:
 
 
 def print_columns(columns: Columns) -> None:
-    """Columns as a table."""
-    from rich import box
-    from rich.table import Table
+    """Columns as a table; where there is no room the last are left out first."""
+    print_table(
+        [
+            Column(heading=name.replace("_", " "), cells=[_text(v) for v in values], rank=rank)
+            for rank, (name, values) in enumerate(columns.items())
+        ]
+    )
 
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for name in columns:
-        table.add_column(name, justify="right")
-    for row in zip(*columns.values(), strict=True):
-        table.add_row(*("-" if math.isnan(v) else f"{round(v, 12) + 0.0:.4g}" for v in row))
-    console().print(table)
+
+def _text(value: float) -> str:
+    return "-" if math.isnan(value) else f"{round(value, 12) + 0.0:.4g}"

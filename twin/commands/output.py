@@ -1,4 +1,4 @@
-"""What commands that measure rows do with them: tables, a file, or JSON on standard output."""
+"""Options of commands that measure rows: tables, a JSON file, or JSON on standard output."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from twin.errors import BadInput
 from twin.io import result_rows as rows_file
 
 STDOUT = Path("-")
-"""What `--json` means where it names no file."""
+"""Value of `--json` without a file name."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Output:
-    """Where rows go."""
+    """Where the rows are written."""
 
     json: Path | None = None
-    """File for the rows; without a name they are printed in place of tables."""
+    """JSON file for the rows. Without a file name, print them as JSON instead of tables."""
     quiet: bool = False
-    """Say nothing but errors."""
+    """Print errors only."""
 
     @property
     def talks(self) -> bool:
@@ -30,7 +30,7 @@ class Output:
 
 
 def check_files(**files: Path | None) -> None:
-    """Refuse before the work what could not be written after it. Raises BadInput."""
+    """Check before the work that files can be written after it. Raises BadInput."""
     for option, path in files.items():
         if path is None or path == STDOUT:
             continue
@@ -40,8 +40,17 @@ def check_files(**files: Path | None) -> None:
             raise BadInput(f"--{option} {path} is a directory; name a file in it")
 
 
+def check_folder(option: str, folder: Path | None) -> None:
+    """Check before the work that a folder can be made after it. Raises BadInput."""
+    if folder is None:
+        return
+    existing = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+    if not existing.is_dir():
+        raise BadInput(f"--{option} {folder}: {existing} is a file, not a folder")
+
+
 def deliver(measured: Sequence[Mapping[str, Any]], path: Path | None) -> None:
-    """Rows to where `--json` says."""
+    """Write the rows as `--json` asks."""
     if path == STDOUT:
         print(rows_file.to_json(measured))
     elif path is not None:

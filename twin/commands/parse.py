@@ -1,4 +1,4 @@
-"""Arguments to frozen dataclasses through tyro, whose refusals become one line."""
+"""Read arguments into frozen dataclasses with tyro. An error of tyro becomes one line."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _READINGS = (
         "",
     ),
 )
-"""What tyro says -> what we say is wanted; empty where tyro names it."""
+"""Message of tyro -> what the option expects; empty where tyro itself names it."""
 _KINDS = {"INT": "a whole number", "FLOAT": "a number", "STR": "text"}
 _CONFIG = (tyro.conf.AvoidSubcommands, tyro.conf.FlagCreatePairsOff)
 

@@ -1,4 +1,4 @@
-"""`twin reproduce PAPER`: published figures and ours side by side."""
+"""`twin reproduce PAPER`: compare published results with the twin's."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from twin.commands.bench import print_rows
 from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
-from twin.commands.terminal import console, counting
+from twin.commands.terminal import counting, say
 from twin.errors import BadInput, UnknownName, check_range
 from twin.reproduce import ABOUT, REGISTRY, STORIES
 
@@ -24,18 +24,18 @@ BROKEN_PROMISE = 1
 
 @dataclass(frozen=True, kw_only=True)
 class Reproduce(Output):
-    """Repeat a paper's experiment and print what it published beside what the twin gives."""
+    """Repeat an experiment of a paper and compare the published results with the twin's."""
 
     trials: int = 16
-    """Seeds of each case."""
+    """Number of seeds of each case."""
     jobs: int = 1
-    """Processes to run them in; -1 for one a core."""
+    """Number of processes; -1 for one per core."""
     report: Path | None = None
-    """File for an HTML page: what is reached and why, figures, every row."""
+    """File for an HTML page: agreement with the paper, figures, every row."""
 
 
 def main(args: Sequence[str]) -> int:
-    """Run an experiment by name; status 1 where a row with a promise fails."""
+    """Run an experiment by name. The status is 1 if a row with a tolerance fails."""
     if not args or args[0].startswith("-"):
         if args and args[0] in ("-h", "--help"):
             parse(Reproduce, ["--help"], prog="twin reproduce PAPER")
@@ -49,7 +49,7 @@ def main(args: Sequence[str]) -> int:
 
     module, _, function = REGISTRY[args[0]].partition(":")
     if options.talks:
-        console(stderr=True).print(f"{ABOUT[args[0]]}; {options.trials} seeds", highlight=False)
+        say(f"{ABOUT[args[0]]}; {options.trials} seeds", stderr=True)
     with counting(args[0], "runs", shown=options.talks) as told:
         experiment = getattr(import_module(module), function)
         with telling(told):
@@ -58,19 +58,19 @@ def main(args: Sequence[str]) -> int:
     if options.talks:
         print_rows(measured)
         for text in said.paragraphs:
-            console().print(text, highlight=False, markup=False)
+            say(text)
     deliver(measured, options.json)
     if options.report is not None:
         from twin.reproduce import story
 
         command = f"twin reproduce {shlex.join(args)}"
-        title = f"{args[0]}: published and ours"
+        title = f"{args[0]}: published results and the twin's"
         story.write(options.report, title, measured, said, command)
     return 0 if all(r.get("passed", True) for r in measured) else BROKEN_PROMISE
 
 
 def _said(name: str, measured: list[dict[str, Any]]) -> Story:
-    """What the experiment says of its rows; what it is about, if it says nothing."""
+    """The text of the experiment about its rows; its description where it has none."""
     from twin.reproduce.story import Story
 
     if name not in STORIES:

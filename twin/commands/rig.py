@@ -1,4 +1,4 @@
-"""`twin rig wheel | drawbar | slope | park`: a test rig, its CSV and its figure."""
+"""`twin rig wheel | drawbar | slope | park`: run a test rig; write CSV and a figure."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from twin.commands.measured import Measured, Talk, print_columns
+from twin.commands.measured import Measured, Told, print_columns
+from twin.commands.output import check_folder
 from twin.commands.parse import named_fields, parse
-from twin.commands.terminal import console, waiting
+from twin.commands.terminal import say, waiting
 from twin.errors import BadInput, UnknownName, check_range
 from twin.rig.drawbar import HITCH_M, STEP_N
 from twin.rig.gears import SPEEDS_KMH
@@ -30,8 +31,8 @@ COMPARED = (0.05, 0.10, 0.15, 0.20, 0.25, 0.30)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wheel(Talk):
-    """One wheel at imposed slip, slip angle and load: every load at every angle and slip.
+class Wheel(Told):
+    """Test one wheel at every given load, slip angle and slip.
 
     A smooth rigid wheel under Bekker's law, with slip 1 - v / (w R):
 
@@ -44,11 +45,11 @@ class Wheel(Talk):
     load_kn: tuple[float, ...] = (20.0,)
     """Vertical loads [kN]."""
     slip: tuple[float, ...] = SLIPS
-    """(w R - v) / max(|w R|, |v|), from -0.95 to 0.95."""
+    """Slips (w R - v) / max(|w R|, |v|) [-], from -0.95 to 0.95."""
     slip_angle_deg: tuple[float, ...] = (0.0, 4.0, 10.0, 20.0)
-    """Positive when the wheel slides to its right [deg]."""
+    """Slip angles [deg]; positive when the wheel slides to its right."""
     radial: bool = False
-    """Brixius' numbers for a radial tyre in place of the soil's (k 9.5, c0 0.0325, m 0.9)."""
+    """Use Brixius' constants of a radial tyre (k 9.5, c0 0.0325, m 0.9) instead of the soil's."""
     speed_mps: float = SPEED_MPS
     """Speed along the path [m/s]."""
     out: Path = Path("runs/rig-wheel")
@@ -56,19 +57,19 @@ class Wheel(Talk):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Drawbar(Talk):
-    """The tractor pulls loads that are held, beside the wheel rig and weight transfer.
+class Drawbar(Told):
+    """Pull the tractor at constant loads. Compare it with the wheel rig and weight transfer.
 
     With --table: the greatest steady drawbar power of each gear at full throttle, and its fuel.
     """
 
     soil: Soil = dataclasses.field(default_factory=Soil)
     hitch_m: float = HITCH_M
-    """Height of the pull above the ground [m]."""
+    """Height of the pull's line of action above the ground [m]."""
     step_n: float = STEP_N
-    """Pull from one held load to the next [N]."""
+    """Step of the pull from one load to the next [N]."""
     most_slip: float = 0.40
-    """Slip at which the test ends."""
+    """Slip at which the test ends [-]."""
     table: bool = False
     """Test every gear at full throttle, within 15 % slip, instead of pull against slip."""
     gear_kmh: tuple[float, ...] = SPEEDS_KMH
@@ -78,27 +79,27 @@ class Drawbar(Talk):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Slope(Talk):
-    """The tractor holds a line across slopes: its crab angle, beside the closed form."""
+class Slope(Told):
+    """Drive the tractor along a line on cross slopes. Compare its crab angle with theory."""
 
     soil: Soil = dataclasses.field(default_factory=Soil)
     cross_slope_deg: tuple[float, ...] = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
-    """Slopes [deg], positive rising to the left."""
+    """Cross slopes [deg]; positive rises to the left."""
     out: Path = Path("runs/rig-slope")
     """Folder for slope.csv and slope.png."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Park(Talk):
-    """The tractor parked on slopes, brakes on: how far it creeps."""
+class Park(Told):
+    """Park the tractor on slopes with the brakes on and measure how far it creeps."""
 
     soil: Soil = dataclasses.field(default_factory=Soil)
     cross_slope_deg: tuple[float, ...] = (0.0, 5.0, 10.0, 15.0, 18.0)
-    """Slopes across [deg], each with no grade."""
+    """Cross slopes [deg], each without grade."""
     grade_deg: tuple[float, ...] = (-15.0, -8.0, 8.0, 15.0)
-    """Slopes along [deg], each with no cross slope."""
+    """Grades [deg], each without cross slope."""
     parked_s: float = PARKED_S
-    """How long it stands [s]."""
+    """Duration of the test [s]."""
     out: Path = Path("runs/rig-park")
     """Folder for park.csv and park.png."""
 
@@ -115,18 +116,19 @@ def main(args: Sequence[str]) -> int:
         raise UnknownName("rig", args[0], RIGS)
     kind, run = RIGS[args[0]]
     options = parse(kind, args[1:], prog=f"twin rig {args[0]}")
-    _check_folder(options.out)
+    check_folder("out", options.out)
+    check_folder("figures", options.figures)
     _refuse_unread(options, named_fields(args[1:]))
     talks = not (options.quiet or options.json)
     with waiting(f"{args[0]} rig", shown=talks):
         found = run(options)
-    files = found.write(options.out)
+    files = found.write(options.out, options.figures)
     if options.json:
         print(found.to_json())
     if talks:
         for table in found.shown:
             print_columns(table)
-        console().print(", ".join(str(f) for f in files), highlight=False)
+        say(", ".join(str(f) for f in files))
     return 0
 
 
@@ -167,7 +169,7 @@ def _wheel(options: Wheel) -> Measured:
         {"wheel.csv": columns, "wheel-free.csv": free},
         [{name: columns[name][straight] for name in SHOWN}, free],
         "wheel.png",
-        lambda path: figures.wheel(curve, pulled, title, path),
+        lambda: figures.wheel(curve, pulled, title),
     )
 
 
@@ -199,7 +201,7 @@ def _gears(options: Drawbar) -> Measured:
         {"drawbar-gears.csv": columns},
         [shown],
         "drawbar.png",
-        lambda path: figures.gears(found, title, path),
+        lambda: figures.gears(found, title),
     )
 
 
@@ -227,7 +229,7 @@ def _pulled(options: Drawbar) -> Measured:
         {"drawbar.csv": curve.columns(), "drawbar-expected.csv": table},
         [table],
         "drawbar.png",
-        lambda path: figures.drawbar(curve, slips, expected, title, path),
+        lambda: figures.drawbar(curve, slips, expected, title),
     )
 
 
@@ -249,7 +251,7 @@ def _slope(options: Slope) -> Measured:
         {"slope.csv": columns},
         [{"cross_slope_deg": slopes} | {n: columns[n] for n in columns if "load" not in n}],
         "slope.png",
-        lambda path: figures.slope(seen, wanted, title, path),
+        lambda: figures.slope(seen, wanted, title),
     )
 
 
@@ -267,7 +269,7 @@ def _park(options: Park) -> Measured:
         {"park.csv": creep.columns()},
         [creep.columns()],
         "park.png",
-        lambda path: figures.park(creep, title, path),
+        lambda: figures.park(creep, title),
     )
 
 
@@ -285,7 +287,7 @@ BRIXIUS_ALONE = ("radial", "tyre.deflection_ratio")
 
 
 def _refuse_unread(options: Any, named: Collection[str]) -> None:
-    """Refuse what is set of the soil or the tyre that the rig would not read."""
+    """Refuse options of the soil or the tyre that the rig does not read."""
     from twin.pipeline.unread import refuse_unread
 
     soil: Soil = options.soil
@@ -309,7 +311,7 @@ def _some(options: Any, *names: str) -> None:
 
 def _warn(sentences: Sequence[str]) -> None:
     for sentence in sentences:
-        console(stderr=True).print(f"beyond the law's range: {sentence}", highlight=False)
+        say(f"beyond the law's range: {sentence}", stderr=True)
 
 
 def _soil(soil: Soil) -> str:
@@ -329,10 +331,3 @@ def _tyre(tyre: Tyre) -> str:
     return (
         f"{'rigid wheel' if tyre.rigid else 'tyre'} of radius {radius:.3g} m, width {width:.3g} m"
     )
-
-
-def _check_folder(folder: Path) -> None:
-    """Refuse before the work what could not be written after it."""
-    existing = next(p for p in (folder, *folder.absolute().parents) if p.exists())
-    if not existing.is_dir():
-        raise BadInput(f"--out {folder}: {existing} is a file, not a folder")

@@ -15,8 +15,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import tyro
 
+from twin.commands.output import check_folder
 from twin.commands.parse import named_fields, parse
-from twin.commands.terminal import console, print_scores, progress
+from twin.commands.score_table import print_scores
+from twin.commands.terminal import progress, say
 from twin.errors import BadInput
 from twin.io.atomic import moved_when_complete
 from twin.pipeline import named as registry
@@ -32,23 +34,25 @@ class Options:
     """Simulate a scenario, run the estimators on its streams and score them against the truth."""
 
     out: Path | None = None
-    """Folder to write; runs/<name>-seed<N> by default."""
+    """Folder for the results; by default runs/<name>-seed<N>."""
     estimators: str = DEFAULT_ESTIMATORS
-    """Names, or module:Name of your own, separated by commas."""
+    """Estimators, separated by commas: names, or module:Name of your own."""
+    figures: Path | None = None
+    """Folder for the report's figures as SVG and PDF, one column (85 mm) wide."""
     frames: Path | None = None
-    """Folder for the camera's frames as PNG."""
+    """Folder for the frames of the camera as PNG."""
     mask: tuple[float, float] | None = None
-    """Foil over both antennas from this second of the run on, for so many seconds."""
+    """Mask both GNSS antennas: start of the mask and its duration [s]."""
     view: bool = False
-    """Open the recording when done."""
+    """Open the recording in the rerun viewer at the end."""
     quiet: bool = False
-    """Say nothing but errors."""
+    """Print errors only."""
     json: bool = False
     """Print the scores as JSON instead of a table."""
 
 
 def main(args: Sequence[str]) -> int:
-    """Run a scenario by name; everything after the name is options and overrides."""
+    """Run a scenario by name. Options and overrides follow the name."""
     name, rest = _split(args)
     default = registry.load("scenario", name)
     options = parse(_with_overrides(default), rest, prog=f"twin run {name}")
@@ -77,19 +81,22 @@ def execute(
     scenario = _masked(scenario, options.mask)
     refuse_unread(scenario, named)
     _check_frames(scenario, options.frames)
+    check_folder("figures", options.figures)
     estimators = load_estimators(options.estimators)
     from twin.pipeline.run import run  # heavy, so only once the input is known to be good
 
     shown = not (options.quiet or options.json)
     with progress(scenario.name, shown=shown) as told, _pngs(options.frames) as frames:
         result = run(scenario, estimators=estimators, progress=told, frames=frames)
-    result.save(directory, command=command)
+        result.save(directory, command=command)
+        if options.figures is not None:
+            result.figures(options.figures)
     _say(result, directory, options)
     return result, directory
 
 
 def status(result: Result) -> int:
-    """Exit status: 1 where an estimator failed, which is told on stderr too."""
+    """Exit status: 1 if an estimator failed. Each failure is printed on stderr."""
     for why in result.failed.values():
         print(f"twin: {why}; its estimates are NaN", file=sys.stderr)
     return 1 if result.failed else 0
@@ -116,11 +123,11 @@ def _check_frames(scenario: Any, folder: Path | None) -> None:
     if getattr(getattr(scenario, "sensors", None), "camera", None) is None:
         raise BadInput(f"--frames {folder}: scenario '{scenario.name}' has no camera")
     if folder.exists() and not folder.is_dir():
-        raise BadInput(f"--frames {folder} is no folder; choose another")
+        raise BadInput(f"--frames {folder} is not a folder; choose another")
 
 
 def _pngs(folder: Path | None) -> AbstractContextManager[Path | None]:
-    """Where the frames are written until all are there."""
+    """A temporary folder for the frames, which are moved when all are written."""
     return nullcontext() if folder is None else moved_when_complete(folder)
 
 
@@ -128,7 +135,7 @@ def load_estimators(names: str) -> dict[str, Any]:
     """Estimators by name from `a,b,module:Name`. Raises UnknownName, or BadInput for none."""
     wanted = [name.strip() for name in names.split(",") if name.strip()]
     if not wanted:
-        raise BadInput("--estimators names none; twin list says what there is")
+        raise BadInput("--estimators is empty; twin list shows the names")
     return {name: registry.load("estimator", name) for name in wanted}
 
 
@@ -162,7 +169,7 @@ def _say(result: Result, directory: Path, options: Options) -> None:
     elif not options.quiet:
         print_scores(result.scores)
         for note in result.notes:
-            console().print(f"note: {note}", style="dim", highlight=False)
+            say(f"note: {note}", style="dim")
         simulated_s = float(np.ptp(result.truth["epoch_ns"])) * 1e-9
-        pace = f"{simulated_s:.0f} s driven in {result.wall_s:.1f} s" if result.wall_s else ""
-        console().print(f"{pace}; {directory}/report.html, {directory}/run.rrd", highlight=False)
+        pace = f"{simulated_s:.0f} s driven in {result.wall_s:.1f} s; " if result.wall_s else ""
+        say(f"{pace}{directory}/report.html, {directory}/run.rrd")

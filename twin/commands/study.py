@@ -1,4 +1,4 @@
-"""`twin study SCENARIOS`: many runs, each kept as it ends, their means with intervals."""
+"""`twin study SCENARIOS`: do many runs and give means with intervals."""
 
 from __future__ import annotations
 
@@ -6,19 +6,22 @@ import dataclasses
 import json
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from twin.commands.output import Output, check_files, deliver
+from twin.commands.output import Output, check_files, check_folder, deliver
 from twin.commands.parse import parse
-from twin.commands.terminal import console, progress
+from twin.commands.tables import Column, print_table
+from twin.commands.terminal import progress, say
 from twin.errors import BadInput, check_range
 from twin.pipeline import named as registry
+from twin.scores.table import COVERAGE
 from twin.studies.study import PARTS, PLAN, SUMMARY, TABLE, begin, finished
+from twin.studies.summary import differences_to, mean_of
 
 if TYPE_CHECKING:
     from twin.studies.study import Study as Done
@@ -26,49 +29,60 @@ if TYPE_CHECKING:
 
 REPORT = "report.html"
 INTERRUPTED = 130
+DEG = 57.29577951308232
 SHOWN = {
-    "slip.rmse": ("slip RMSE [%]", 100.0),
-    "slip.mae": ("MAE [%]", 100.0),
-    "slip.max": ("max [%]", 100.0),
-    "slip.bias": ("bias [%]", 100.0),
-    "sideslip_angle_rad.rmse": ("angle RMSE [°]", 57.29577951308232),
-    "sideslip_m.rel_err": ("sideslip error [%]", 100.0),
+    "slip.rmse": ("slip RMSE [%]", 100.0, 0),
+    "slip.mae": ("MAE [%]", 100.0, 8),
+    "slip.max": ("max [%]", 100.0, 7),
+    "slip.bias": ("bias [%]", 100.0, 5),
+    "slip.coverage_2sd": (COVERAGE, 100.0, 4),
+    "bound.slip_causal": ("slip bound [%]", 100.0, 3),
+    "sideslip_angle_rad.rmse": ("angle RMSE [°]", DEG, 1),
+    "sideslip_m.rel_err": ("sideslip error [%]", 100.0, 6),
 }
-"""Quantity -> heading on the terminal, and its scale."""
+"""Quantity -> heading on the terminal, its scale, and its rank: the greatest is left out first."""
 EARLY_SHOWN = 20
 """So many runs that were not driven as planned are named on the terminal."""
-DRAWN = {"slip.rmse": "RMSE of slip", "sideslip_angle_rad.rmse": "RMSE of sideslip angle [rad]"}
+DRAWN = {
+    "slip.rmse": ("RMSE of slip [%]", 100.0, "bound.slip_causal"),
+    "sideslip_angle_rad.rmse": ("RMSE of sideslip angle [°]", DEG, "bound.sideslip_causal_rad"),
+}
+"""Quantity -> label, scale, and the quantity that bounds it."""
+NO_DIFFERENCE = ("bound.slip_causal",)
+"""What is the same for all estimators."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Study(Output):
-    """Run scenarios x sweeps x seeds, every estimator on each run; a killed study goes on."""
+    """Run scenarios x sweeps x seeds with every estimator. A stopped study can be continued."""
 
     estimators: str = "ratio,four-state"
-    """Names, or module:Name of your own, separated by commas."""
+    """Estimators, separated by commas: names, or module:Name of your own."""
     seeds: int = 10
-    """How many seeds, the same for every scenario and sweep."""
+    """Number of seeds. Every scenario and sweep has the same ones."""
     first_seed: int = 0
-    """The first of them."""
+    """The first seed."""
     sweep: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
-    """FIELD=V1,V2,...: a field of the scenarios and the values it takes; may be given several
-    times, for every combination."""
+    """FIELD=V1,V2,...: a field of the scenarios and its values. Given several times, every
+    combination is run."""
     out: Path | None = None
-    """Folder of the study; studies/<names> by default."""
+    """Folder of the study; by default studies/<names>."""
     jobs: int = -1
-    """Processes; -1 for as many as the backend has."""
+    """Number of processes; -1 for as many as the backend has."""
     backend: str = "loky"
-    """Where the runs run, as joblib calls it: loky (here), ray, dask."""
+    """Backend of joblib for the runs: loky (this computer), ray, dask."""
     backend_option: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
-    """NAME=VALUE for the backend; may be given several times."""
+    """Option NAME=VALUE of the backend; may be given several times."""
     against: str | None = None
-    """An estimator that the others are compared with, seed by seed."""
+    """Estimator to compare the others with, seed by seed."""
     retry_failed: bool = False
-    """Do the runs again that ended in an error."""
+    """Repeat the runs that ended in an error."""
+    figures: Path | None = None
+    """Folder for the figures as SVG and PDF, as wide as a printed page's text (175 mm)."""
 
 
 def main(args: Sequence[str]) -> int:
-    """Do what is missing of a study, then its table, summary and figures."""
+    """Do the missing runs of a study, then write its table, summary and figures."""
     names, rest = _split(args)
     options = parse(Study, rest, prog="twin study SCENARIOS")
     for text in options.backend_option:
@@ -77,8 +91,11 @@ def main(args: Sequence[str]) -> int:
     check_range("seeds", options.seeds, 1, 1_000_000)
     check_range("first_seed", options.first_seed, 0, 2**31 - options.seeds)
     if options.jobs == 0:
-        raise BadInput("jobs = 0 would do nothing; 1, or -1 for as many as the backend has")
+        raise BadInput(
+            "jobs = 0 starts no process; give 1 or more, or -1 for all that the backend has"
+        )
     check_files(json=options.json)
+    check_folder("figures", options.figures)
     from twin import studies as study
 
     estimators = _listed("--estimators", options.estimators)
@@ -89,7 +106,7 @@ def main(args: Sequence[str]) -> int:
     cases = study.plan(names, seeds, estimators, sweeps)
     if options.talks:
         for text in study.left_out(names, sweeps):
-            console().print(f"left out: {text}", style="dim", highlight=False, markup=False)
+            say(f"left out: {text}", style="dim")
     plain = "+".join(re.sub(r"[:/\\]+", "-", name).strip("-") for name in names)
     folder = options.out or Path("studies") / plain
     begin(folder, list(args))
@@ -99,7 +116,7 @@ def main(args: Sequence[str]) -> int:
     except KeyboardInterrupt:
         left = len(study.missing(cases, folder / PARTS))
         done = f"{len(cases) - left} of {len(cases)} runs are in {folder}"
-        console(stderr=True).print(f"twin: interrupted; {done}, the same command does the rest")
+        say(f"twin: interrupted; {done}, the same command continues the study", stderr=True)
         return INTERRUPTED
     _finish(cases, folder, list(sweeps), options)
     return 0
@@ -140,7 +157,7 @@ def _value(path: str, kind: Any, text: str) -> Any:
 def _listed(option: str, text: str) -> list[str]:
     values = [each.strip() for each in text.split(",") if each.strip()]
     if not values:
-        raise BadInput(f"{option} names none")
+        raise BadInput(f"{option} is empty; give at least one value")
     return values
 
 
@@ -174,88 +191,120 @@ def _finish(cases: Sequence[Any], folder: Path, swept: list[str], options: Study
     done = finished(cases, folder, swept, options.against)
     deliver(done.summary, options.json)
     early = done.not_driven
-    drawn = [*_draw(done.groups, folder), *_report(done, options.against)]
+    drawn = [*_draw(done.groups, folder, options.figures), *_report(done, options.against)]
     if not options.talks:
         return
-    print_means(done.groups)
+    print_means(done.groups, options.against)
     failed = [row for row in done.table.to_pylist() if row["error"] is not None]
     for text in dict.fromkeys(f"{r['scenario']}, {r['estimator']}: {r['error']}" for r in failed):
-        console().print(f"failed: {text}", style="dim", highlight=False, markup=False)
+        say(f"failed: {text}", style="dim")
     for text in early[:EARLY_SHOWN]:
-        console().print(f"not driven: {text}", style="red", highlight=False, markup=False)
+        say(f"not driven: {text}", style="red")
     if len(early) > EARLY_SHOWN:
-        console().print(f"and {len(early) - EARLY_SHOWN} more, in {TABLE}", style="red")
+        say(f"and {len(early) - EARLY_SHOWN} more, in {TABLE}", style="red")
     files = ", ".join(str(folder / name) for name in (TABLE, SUMMARY, *drawn))
-    console().print(f"{len(cases)} runs; {files}", highlight=False)
+    say(f"{len(cases)} runs; {files}")
 
 
 def _report(done: Done, against: str | None) -> list[str]:
     """The page of the scores that are shown, and of their paired differences."""
     from twin.report import rows
+    from twin.report.palette import colours
 
     folder = done.folder
     shown = [
-        _scaled(row, f"{heading}{less}", scale)
-        for quantity, (heading, scale) in SHOWN.items()
+        row
+        for quantity in SHOWN
         for less in ("", f" less that of {against}")
-        for row in done.summary
-        if row["quantity"] == f"{quantity}{less}"
+        for row in _shown_rows(done, quantity, less)
     ]
     if not (shown or done.not_driven):
         return []
     about = f"Means of {len(done.cases)} runs over the seeds, and their 95 % intervals."
     asked = json.loads((folder / PLAN).read_text())["twin study"]
     command = f"twin study {shlex.join(asked)}"
-    title = f"Study: {folder.name}"
-    rows.write_intervals(folder / REPORT, title, about, shown, command, not_driven=done.not_driven)
+    palette = colours(group.estimator for group in done.groups)
+    rows.write_intervals(
+        folder / REPORT,
+        f"Study: {folder.name}",
+        about,
+        shown,
+        command,
+        not_driven=done.not_driven,
+        colour_of={group.case: palette[group.estimator] for group in done.groups},
+    )
     return [REPORT]
 
 
-def _scaled(row: Mapping[str, Any], heading: str, scale: float) -> dict[str, Any]:
-    """A row in the unit of its heading."""
-    values = {key: scale * row[key] for key in ("ours", "low", "high") if key in row}
-    return {**row, **values, "quantity": heading, "unit": "1"}
+def _shown_rows(done: Done, quantity: str, less: str) -> list[dict[str, Any]]:
+    """Rows of the summary in the unit of their heading, with the bound where it is known."""
+    heading, scale, _ = SHOWN[quantity]
+    _, _, bound = DRAWN.get(quantity, ("", 1.0, ""))
+    bounds = {row["case"]: row["ours"] for row in done.summary if row["quantity"] == bound}
+    found = []
+    for row in done.summary:
+        if row["quantity"] != f"{quantity}{less}":
+            continue
+        values = {key: scale * row[key] for key in ("ours", "low", "high") if key in row}
+        if not less and row["case"] in bounds:
+            values["bound"] = scale * bounds[row["case"]]
+        found.append({**row, **values, "quantity": f"{heading}{less}", "unit": "1"})
+    return found
 
 
-def _draw(groups: Sequence[Group], folder: Path) -> list[str]:
-    from twin.studies import figures
+def _draw(groups: Sequence[Group], folder: Path, printed: Path | None) -> list[str]:
+    """Write the figures of a study as PNG, and for print where asked; the names of the PNG."""
+    from twin.io.atomic import moved_when_complete
+    from twin.report.printed import write_png, write_print
+    from twin.studies.figures import Drawn, picture
 
-    names = {quantity: quantity.replace(".", "_") + ".png" for quantity in DRAWN}
-    return [
-        name
-        for quantity, name in names.items()
-        if figures.draw(groups, quantity, folder / name, label=DRAWN[quantity])
+    found = {q.replace(".", "_"): picture(groups, q, Drawn(*how)) for q, how in DRAWN.items()}
+    pictures = {name: each for name, each in found.items() if each is not None}
+    with moved_when_complete(folder) as partial:
+        for name, each in pictures.items():
+            write_png(each, partial / f"{name}.png")
+    if printed is not None:
+        write_print(pictures, printed)
+    return [f"{name}.png" for name in pictures]
+
+
+def print_means(groups: Sequence[Group], against: str | None = None) -> None:
+    """A line for each setting and estimator: mean ± half the 95 % interval.
+
+    Beside a quantity's mean stands the mean difference to the estimator `against`, seed by seed.
+    """
+    columns = [
+        Column(heading="setting", cells=[group.setting for group in groups], text=True),
+        Column(heading="estimator", cells=[group.estimator for group in groups], text=True),
+        Column(heading="runs", cells=[str(len(group.rows)) for group in groups], rank=9),
     ]
-
-
-def print_means(groups: Sequence[Group]) -> None:
-    """A line for each setting and estimator: mean ± half the 95 % interval."""
-    from rich import box
-    from rich.table import Table
-
-    from twin.studies.summary import mean
-
-    shown = [q for q in SHOWN if any(group.values(q) for group in groups)]
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="mean ± half the 95 % interval")
-    for heading in ("setting", "estimator"):
-        table.add_column(heading)
-    for heading in (
-        "runs",
-        "failed",
-        "not driven",
-        *(SHOWN[q][0].replace("[", r"\[") for q in shown),
+    for heading, counted in (
+        ("failed", [group.failed for group in groups]),
+        ("not driven", [group.not_driven for group in groups]),
     ):
-        table.add_column(heading, justify="right")
-    for group in groups:
-        means = {q: mean(group.values(q).values()) for q in shown}
-        cells = [_cell(means[q], SHOWN[q][1]) for q in shown]
-        counts = (str(len(group.rows)), str(group.failed or ""), str(group.not_driven or ""))
-        table.add_row(group.setting, group.estimator, *counts, *cells)
-    console().print(table)
+        if any(counted):
+            columns.append(Column(heading=heading, cells=[str(n or "") for n in counted]))
+    for quantity in SHOWN:
+        if any(group.values(quantity) for group in groups):
+            columns += _mean_columns(groups, quantity, against)
+    say("mean ± half the 95 % interval", style="italic")
+    print_table(columns)
 
 
-def _cell(found: Any, scale: float) -> str:
+def _mean_columns(groups: Sequence[Group], quantity: str, against: str | None) -> list[Column]:
+    """The column of a quantity, and that of its difference."""
+    heading, scale, rank = SHOWN[quantity]
+    means = [mean_of(group, quantity) for group in groups]
+    columns = [Column(heading=heading, cells=[_cell(m, scale) for m in means], rank=rank)]
+    if against is not None and quantity not in NO_DIFFERENCE:
+        differences = differences_to(groups, quantity, against)
+        cells = ["" if d is None else _cell(d, scale, sign="+") for d in differences]
+        columns.append(Column(heading=f"{heading} less {against}", cells=cells, rank=rank))
+    return columns
+
+
+def _cell(found: Any, scale: float, sign: str = "") -> str:
     if found.n == 0:
         return "-"
-    half = "" if found.n == 1 else f" ± {scale * (found.high - found.mean):.3f}"
-    return f"{scale * found.mean:.3f}{half}"
+    half = "" if found.n == 1 else f" ± {scale * found.half:.3f}"
+    return f"{scale * found.mean:{sign}.3f}{half}"

@@ -1,62 +1,49 @@
-"""What is said on the terminal: tables, progress, and little of either when it is not one."""
+"""Lines and progress on the terminal; into a file or a pipe lines alone, without colour."""
 
 from __future__ import annotations
 
+import os
+import textwrap
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol
 
 from rich.console import Console
 
-from twin.scores.table import HEADERS, end_lines, score_rows
-
 if TYPE_CHECKING:
     from twin.compute.parallel import Told
 
-_WIDE = 200
-"""Columns of a table that goes into a file or a pipe."""
+_UNLIMITED = 10_000
+"""Columns of a file or a pipe, unless COLUMNS says how many."""
 
 
 def console(*, stderr: bool = False) -> Console:
-    """A console; into a file or a pipe it neither colours nor wraps at 80."""
-    out = Console(stderr=stderr, soft_wrap=False)
-    return out if out.is_terminal else Console(stderr=stderr, width=_WIDE, no_color=True)
+    """A console as wide as its terminal, or as COLUMNS says; a file or a pipe has no width."""
+    out = Console(stderr=stderr)
+    if out.is_terminal:
+        return out
+    columns = os.environ.get("COLUMNS", "")
+    width = int(columns) if columns.isdigit() and int(columns) > 0 else _UNLIMITED
+    return Console(stderr=stderr, width=width, no_color=True)
 
 
-def print_scores(scores: Mapping[str, Any]) -> None:
-    """The score table, and above it what was driven and, where it was not as planned, its end."""
-    from rich import box
-    from rich.markup import escape
-    from rich.table import Table
+def say(line: str, *, style: str = "", stderr: bool = False, indent: int = 0) -> None:
+    """Print a line, broken between its words where it is too long; no word is cut.
 
-    for line in end_lines(scores):
-        console().print(line, style="bold red", highlight=False, markup=False)
-    rows = score_rows(scores)
-    if not rows:
-        return
-    table = Table(box=box.SIMPLE_HEAD, title=_title(scores), title_justify="left", pad_edge=False)
-    for i, header in enumerate(HEADERS):
-        table.add_column(escape(header), justify="left" if i == 0 else "right", no_wrap=i == 0)
-    for row in rows:
-        table.add_row(*(escape(cell) for cell in row))
-    console().print(table)
-
-
-def _title(scores: Mapping[str, Any]) -> str:
-    truth, window = scores.get("truth") or {}, scores.get("window_s") or (0.0, 0.0)
-    said = [str(scores.get("scenario"))]
-    if scores.get("seed") is not None:
-        said.append(f"seed {scores['seed']}")
-    said.append(f"scored {window[0]:.1f} to {window[1]:.1f} s")
-    for key, form in (
-        ("mean_speed_kmh", "{:.2f} km/h"),
-        ("slip_mean", "slip {:.2%}"),
-        ("draft_mean_kn", "draft {:.1f} kN"),
-    ):
-        if truth.get(key) is not None:
-            said.append(form.format(truth[key]))
-    return ", ".join(said)
+    Args:
+        line: the line.
+        style: rich's name of a style.
+        stderr: print it there.
+        indent: spaces before all but the first of the broken line's parts.
+    """
+    out = console(stderr=stderr)
+    parts = textwrap.wrap(
+        line, out.width, break_long_words=False, break_on_hyphens=False,
+        subsequent_indent=" " * indent, drop_whitespace=True,
+    )  # fmt: skip
+    for part in parts or [""]:
+        out.print(part, style=style, highlight=False, markup=False, soft_wrap=True)
 
 
 class Tell(Protocol):
@@ -83,7 +70,7 @@ def progress(label: str, *, shown: bool) -> Iterator[Tell]:
 
 @contextmanager
 def counting(label: str, what: str, *, shown: bool) -> Iterator[Told]:
-    """A bar of things done, in stages that each begin at none: `37 runs, 1.4 a second`."""
+    """A bar that counts things over several stages: `37 runs, 1.4 a second`."""
     watch, before, stage = Stopwatch(), 0, 0
     with _bar(label, shown=shown) as (bar, task):
         if bar is None:
@@ -104,7 +91,7 @@ def counting(label: str, what: str, *, shown: bool) -> Iterator[Told]:
 
 @contextmanager
 def waiting(label: str, *, shown: bool) -> Iterator[None]:
-    """A sign that something goes on; silent off a terminal."""
+    """A sign of activity; silent off a terminal."""
     err = console(stderr=True)
     if not (shown and err.is_terminal):
         yield

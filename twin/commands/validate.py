@@ -1,4 +1,4 @@
-"""`twin validate`: rerun every check of VALIDATION.md and write the page."""
+"""`twin validate`: repeat every check of VALIDATION.md and write the page."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from twin.commands.bench import print_rows
 from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
-from twin.commands.terminal import console, counting
+from twin.commands.terminal import counting, say
 from twin.errors import check_range
 from twin.io.atomic import write_text
 
@@ -25,13 +25,13 @@ class Validate(Output):
     """Check the twin against mechanics, published laws and tables, and field measurements."""
 
     jobs: int = 1
-    """Processes; -1 for one a core."""
+    """Number of processes; -1 for one per core."""
     out: Path | None = None
-    """File for the page, such as VALIDATION.md."""
+    """File for the page in Markdown, such as VALIDATION.md."""
     report: Path | None = None
-    """File for an HTML page: what fails, a figure and a table of each layer."""
+    """File for an HTML page: failed checks, and a figure and a table of each layer."""
     quick: bool = False
-    """One seed of each field run: the same rows, more scatter, within a minute."""
+    """Use one seed of each field run: the same rows with more scatter, within a minute."""
 
 
 def main(args: Sequence[str]) -> int:
@@ -55,7 +55,7 @@ def main(args: Sequence[str]) -> int:
     if options.talks:
         print_rows(measured)
         said = f"{len(measured)} rows, {len(failed)} fail"
-        console().print("; ".join([said, *(", ".join(c.name) for c in failed)]), highlight=False)
+        say("; ".join([said, *(", ".join(c.name) for c in failed)]))
     return BROKEN_PROMISE if failed else 0
 
 

@@ -18,7 +18,7 @@ class View:
     """Open the recording of a run folder in the rerun viewer."""
 
     directory: Annotated[Path, tyro.conf.Positional]
-    """Run folder, or an .rrd file."""
+    """Run folder or .rrd file."""
 
 
 def main(args: Sequence[str]) -> int:
@@ -32,7 +32,7 @@ def main(args: Sequence[str]) -> int:
 
 
 def find(path: Path) -> Path:
-    """The recording a path means. Raises BadInput where there is none."""
+    """The recording of a run folder, or the .rrd file itself. Raises BadInput for others."""
     if not path.exists():
         raise BadInput(f"{path} does not exist; twin run writes folders below runs/")
     recording = path / "run.rrd" if path.is_dir() else path

@@ -28,6 +28,8 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, InTreeCach
 from numba.core.ccallback import CFunc
 from numba.core.sigutils import normalize_signature
 
+from twin.compute import waiting
+
 P = ParamSpec("P")
 R = TypeVar("R")
 Untyped: TypeAlias = Any
@@ -201,12 +203,16 @@ class _Cache(FunctionCache):  # type: ignore[misc]
         try:
             found = super().load_overload(sig, target_context)
         except Exception:  # a damaged file: numba unpickles what it finds
-            return None
+            found = None
         wanted, _ = normalize_signature(sig)
-        return found if found is not None and tuple(found.signature.args) == wanted else None
+        if found is not None and tuple(found.signature.args) == wanted:
+            return found
+        waiting.begins(self)
+        return None
 
     def save_overload(self, sig: Untyped, data: Untyped) -> None:
         """Keep it if that can be done."""
+        waiting.ends(self)
         with suppress(Exception):
             super().save_overload(sig, data)
 

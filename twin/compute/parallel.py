@@ -1,4 +1,4 @@
-"""One function over many cases, in processes, and a word whenever one of them has ended."""
+"""Run many calls in processes and report progress when each of them ends."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import joblib
 Result: TypeAlias = Any
 """What a call gives; and a call as joblib has it, which has no types."""
 Told = Callable[[int, int], None]
-"""Told how many of how many are done."""
+"""Progress callback: calls done, calls in all."""
 
 
 def _no_progress(done: int, total: int) -> None:
@@ -26,7 +26,7 @@ _TOLD: ContextVar[Told] = ContextVar("told", default=_no_progress)
 
 @contextmanager
 def telling(told: Told) -> Iterator[None]:
-    """Who is told inside the block by whatever runs there."""
+    """Set the progress callback of the calls inside the block."""
     token = _TOLD.set(told)
     try:
         yield
@@ -52,7 +52,7 @@ def many(calls: Iterable[Result], jobs: int = 1) -> list[Result]:
 
 
 def _start(parallel: Counted) -> None:
-    """Start the processes deaf to Ctrl-C: it goes to all, and this one is to end the others."""
+    """Start processes that ignore Ctrl-C, which the terminal sends to all; this one ends them."""
     if not hasattr(signal, "pthread_sigmask"):
         return
     resource_tracker.ensure_running()  # its own start lifts a mask
@@ -64,7 +64,7 @@ def _start(parallel: Counted) -> None:
 
 
 class Counted(joblib.Parallel):  # type: ignore[misc]
-    """Parallel that says how many are done, whatever the backend."""
+    """Parallel that reports how many calls are done, with any backend."""
 
     told: Callable[[int], None] = staticmethod(lambda done: None)
 

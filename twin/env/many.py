@@ -41,7 +41,7 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
         max_episode_steps: int | None,
         mode: AutoresetMode,
     ) -> None:
-        """What a constructor ends with."""
+        """Set what every environment has; called at the end of a constructor."""
         self.episodes, self.look, self.render_mode = episodes, look, look.render_mode
         self.num_envs = num_envs = len(episodes.actions)
         self.limit, self.mode = max_episode_steps, mode

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from twin import sensors, viz
 from twin.env.infos import Infos
 from twin.env.single import Observation, SingleEnv
+from twin.io.atomic import made
 from twin.io.run_folder import Record
 from twin.machine.geometry import geometry
 from twin.scenario import Scenario
@@ -90,21 +91,21 @@ class Recording(Wrapper[Observation, NDArray[np.float32], Observation, NDArray[n
         clock = {"epoch_ns": table["epoch_ns"]}
         estimate = {n: columns[f"seen.{n}"] for n in ESTIMATES if f"seen.{n}" in columns}
         chosen = (*self.single.episodes.actions_named, *(n for n in columns if "reward_" in n))
-        self.directory.mkdir(parents=True, exist_ok=True)
         shown = build(replace(machine.scenario, field=scenario.field), looks=True, settle=False)
-        viz.record(
-            Record(
-                scenario=scenario,
-                setup=sensors.setup(machine.scenario.sensors, geometry(machine)),
-                streams=Streams({}),
-                truth=table,
-                estimates={"seen": clock | estimate} if "slip_sd" in estimate else {},
-            ),
-            self.directory / f"episode_{self.number}.rrd",
-            model=shown.model,
-            ground=viz.Ground(world_from_ground=shown.world_from_ground),
-            control=clock | {name: columns[name] for name in chosen},
-        )
+        with made(self.directory):
+            viz.record(
+                Record(
+                    scenario=scenario,
+                    setup=sensors.setup(machine.scenario.sensors, geometry(machine)),
+                    streams=Streams({}),
+                    truth=table,
+                    estimates={"seen": clock | estimate} if "slip_sd" in estimate else {},
+                ),
+                self.directory / f"episode_{self.number}.rrd",
+                model=shown.model,
+                ground=viz.Ground(world_from_ground=shown.world_from_ground),
+                control=clock | {name: columns[name] for name in chosen},
+            )
         self.number += 1
 
     def _truth(self, columns: Table) -> Table:

@@ -24,7 +24,7 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
     metadata = {"render_modes": RENDER_MODES, "render_fps": FPS}  # noqa: RUF012  Gymnasium's name
 
     def _hold(self, episodes: Episodes, look: Look) -> None:
-        """What a constructor ends with."""
+        """Set what every environment has; called at the end of a constructor."""
         self.episodes, self.look, self.render_mode = episodes, look, look.render_mode
         self.entries = episodes.entries
         self.observation_space = episodes.observation_space

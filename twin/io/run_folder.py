@@ -38,11 +38,11 @@ class RunLike(Protocol):
 
     @property
     def setup(self) -> Setup:
-        """What the estimators were told."""
+        """Set-up that the estimators were given."""
 
     @property
     def streams(self) -> Streams:
-        """What the estimators saw."""
+        """Streams that the estimators were given."""
 
     @property
     def truth(self) -> Table | None:

@@ -100,6 +100,19 @@ class Result:
 
         report(self, Path(path), command)
 
+    def figures(self, directory: Path | str) -> list[Path]:
+        """Write every figure of the report as SVG and PDF, 85 mm wide; the files.
+
+        Args:
+            directory: where; files of other names in it stay.
+
+        Raises:
+            BadInput: the folder cannot be written.
+        """
+        from twin.pipeline.saved import figures
+
+        return figures(self, Path(directory))
+
     def record(self, path: Path | str) -> None:
         """Write the recording for the rerun viewer. Raises BadInput where it cannot be written."""
         from twin.pipeline.saved import record

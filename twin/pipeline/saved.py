@@ -42,6 +42,14 @@ def report(result: Result, path: Path, command: str = "") -> None:
         write(result, result.scores, partial_path, command=command)
 
 
+def figures(result: Result, directory: Path) -> list[Path]:
+    """Write the figures of a result for print."""
+    from twin.report.page import drawings
+    from twin.report.printed import write_print
+
+    return [directory / name for name in write_print(drawings(result, result.scores), directory)]
+
+
 def record(result: Result, path: Path) -> None:
     """Write the recording of a result."""
     with written_when_complete(path) as partial_path:

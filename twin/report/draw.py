@@ -1,6 +1,6 @@
-"""Drawing as inline SVG: the figure itself, and lines of tables over time.
+"""Drawing the figures of a report: the figure itself, and lines of tables over time.
 
-Truth is black, estimators in the colour-blind safe palette.
+Truth is black, estimators have the colour-blind safe palette.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 import html
 import io
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib as mpl
@@ -16,7 +17,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from twin.report.palette import FIGURE, colours
+from twin.report.palette import FIGURE, looks
+from twin.report.printed import MM_PER_IN, WIDTHS_MM, legend_columns
 from twin.scores.scores import seconds
 from twin.streams import Table
 
@@ -26,6 +28,7 @@ Estimates = Mapping[str, Table]
 WIDTH_IN, HEIGHT_IN = 5.6, 2.7
 MOST_POINTS = 700
 """A line is thinned to this many points; the page shows no more."""
+GAP_PERIODS = 5.0
 STYLE: Any = FIGURE | {
     "svg.fonttype": "none",  # text stays text, in the page's own font
     "font.family": "sans-serif",
@@ -33,6 +36,64 @@ STYLE: Any = FIGURE | {
     "legend.fontsize": 9.0,
     "path.simplify": True,
 }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drawing:
+    """A figure of a report: for its page, and for print."""
+
+    title: str
+    draw: Callable[..., None]
+    """Draws into one set of axes for each row."""
+    rows: int = 1
+    left: float = 0.14
+    """Share of the width to the left of the axes, on the page."""
+    height_in: float = HEIGHT_IN
+    """Height of the first row [in]; each further one adds half of it."""
+    columns: int = 1
+    """Columns of a printed page that it spans."""
+
+    def svg(self) -> str:
+        """An SVG element for the page, with a title for screen readers."""
+        with mpl.rc_context(STYLE):
+            figure, axes = self._drawn(WIDTH_IN)
+            above_in = 0.1 + 0.2 * _legend(axes[0], (1.0 - self.left) * WIDTH_IN)
+            below_in = 0.5 + 0.18 * axes[-1].get_xlabel().count("\n")
+            height_in = self._height_in + max(0.0, above_in - 0.3) + max(0.0, below_in - 0.5)
+            figure.set_figheight(height_in)
+            figure.subplots_adjust(
+                left=self.left,
+                right=0.985,
+                top=1.0 - above_in / height_in,
+                bottom=below_in / height_in,
+                hspace=0.3,
+            )
+            text = io.StringIO()
+            metadata = {"Date": None, "Creator": None, "Format": None, "Type": None}
+            figure.savefig(text, format="svg", metadata=metadata, transparent=True)
+        element = text.getvalue()
+        element = element[element.index("<svg") :]
+        label = f'<svg role="img" aria-label="{html.escape(self.title)}" class="figure" '
+        return element.replace("<svg ", label, 1)
+
+    def figure(self) -> Figure:
+        """The figure in the style that is set, laid out for the size it is given."""
+        width_in = WIDTHS_MM[self.columns] / MM_PER_IN
+        figure, axes = self._drawn(width_in)
+        figure.set_layout_engine("constrained")
+        figure.set_figheight(0.85 * self._height_in)
+        _legend(axes[0], 0.8 * width_in)
+        return figure
+
+    @property
+    def _height_in(self) -> float:
+        return self.height_in * (1.0 + 0.5 * (self.rows - 1))
+
+    def _drawn(self, width_in: float) -> tuple[Figure, list[Axes]]:
+        figure = Figure(figsize=(width_in, self._height_in))
+        axes = [figure.add_subplot(self.rows, 1, i + 1) for i in range(self.rows)]
+        self.draw(*axes)
+        return figure, axes
 
 
 def svg(
@@ -43,42 +104,42 @@ def svg(
     left: float = 0.14,
     height_in: float = HEIGHT_IN,
 ) -> str:
-    """Draw into a fresh figure and give it as an SVG element with a title for screen readers."""
-    height_in *= 1.0 + 0.5 * (rows - 1)
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH_IN, height_in))
-        axes = [figure.add_subplot(rows, 1, i + 1) for i in range(rows)]
-        draw(*axes)
-        _legend(axes[0])
-        figure.subplots_adjust(
-            left=left,
-            right=0.985,
-            top=1.0 - 0.28 / height_in,
-            bottom=0.5 / height_in,
-            hspace=0.3,
-        )
-        text = io.StringIO()
-        metadata = {"Date": None, "Creator": None, "Format": None, "Type": None}
-        figure.savefig(text, format="svg", metadata=metadata, transparent=True)
-    element = text.getvalue()
-    element = element[element.index("<svg") :]
-    label = f'<svg role="img" aria-label="{html.escape(title)}" class="figure" '
-    return element.replace("<svg ", label, 1)
+    """A `Drawing` as an SVG element."""
+    return Drawing(title=title, draw=draw, rows=rows, left=left, height_in=height_in).svg()
 
 
-def _legend(axes: Axes) -> None:
+def _legend(axes: Axes, width_in: float) -> int:
+    """Put a legend above the axes; how many lines it has."""
     handles, labels = axes.get_legend_handles_labels()
     named = [(h, label) for h, label in zip(handles, labels, strict=True) if label]
-    if named:
-        chosen, names = zip(*named, strict=True)
-        place: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 0.98), "borderaxespad": 0.0}
-        axes.legend(chosen, names, ncols=5, handlelength=1.2, columnspacing=1.2, **place)
+    if not named:
+        return 0
+    chosen, names = zip(*named, strict=True)
+    ncols = legend_columns(names, width_in)
+    place: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 0.98), "borderaxespad": 0.0}
+    axes.legend(chosen, names, ncols=ncols, handlelength=1.2, columnspacing=1.2, **place)
+    return -(-len(names) // ncols)
 
 
 def thinned(table: Table, most: int = MOST_POINTS) -> Table:
-    """Every k-th row, at most about `most` of them."""
-    stride = max(1, len(table["epoch_ns"]) // most)
-    return {name: column[::stride] for name, column in table.items()}
+    """Every k-th row, about `most` of them, and a row of NaN in every gap of time.
+
+    A gap is longer than GAP_PERIODS median periods of the table. No line is drawn across it.
+    """
+    epoch_ns = table["epoch_ns"]
+    rows = np.arange(0, len(epoch_ns), max(1, len(epoch_ns) // most))
+    steps_ns = np.diff(epoch_ns)
+    if not len(steps_ns):
+        return {name: column[rows] for name, column in table.items()}
+    part = np.concatenate([[0], np.cumsum(steps_ns > GAP_PERIODS * np.median(steps_ns))])
+    gaps = np.flatnonzero(np.diff(part[rows])) + 1
+    return {name: _with_gaps(column[rows], gaps) for name, column in table.items()}
+
+
+def _with_gaps(column: Array, gaps: Array) -> Array:
+    """A column with NaN before some of its rows; where it holds no floats, with what follows."""
+    between = np.full(len(gaps), np.nan) if column.dtype.kind == "f" else column[gaps]
+    return np.insert(column, gaps, between, axis=0) if column.ndim == 1 else column
 
 
 def estimate_lines(
@@ -86,7 +147,7 @@ def estimate_lines(
 ) -> None:
     """A column of every estimate, each with its band of two standard deviations."""
     scale = 100.0 if percent else 1.0
-    for name, colour in colours(estimates).items():
+    for name, (colour, _, line_style) in looks(estimates).items():
         table = estimates[name]
         if column not in table or not len(table["epoch_ns"]):
             continue
@@ -95,7 +156,7 @@ def estimate_lines(
         if sd in rows:
             reach = 2.0 * scale * rows[sd]
             axes.fill_between(time, middle - reach, middle + reach, color=colour, alpha=0.18, lw=0)
-        axes.plot(time, middle, color=colour, lw=0.8, label=name)
+        axes.plot(time, middle, line_style, color=colour, lw=0.8, label=name)
 
 
 def line(
@@ -130,12 +191,12 @@ def limits(axes: Axes, found: list[Array], scale: float) -> None:
         axes.set_ylim(low - margin, high + margin)
 
 
-def widen(axes: Axes) -> None:
-    """Never show less than 2 m of north or east: a straight line is not a zigzag."""
-    for get, put in ((axes.get_xlim, axes.set_xlim), (axes.get_ylim, axes.set_ylim)):
-        low, high = get()
-        spare = max(0.0, 2.0 - (high - low)) / 2.0
-        put(low - spare, high + spare)
+def as_map(axes: Axes) -> None:
+    """A metre east as long as a metre north, and never less than 2 m of either."""
+    middle = 0.5 * (axes.dataLim.min + axes.dataLim.max)
+    axes.update_datalim([middle - 1.0, middle + 1.0])
+    axes.autoscale_view()
+    axes.set_aspect("equal", adjustable="datalim")
 
 
 def finite(values: Array) -> Array:

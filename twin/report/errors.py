@@ -1,4 +1,4 @@
-"""Figures of what estimates are off by, beside the smallest error that sensors and motion allow."""
+"""Figures of the errors of estimates, with the smallest error that sensors and motion allow."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import LogFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 
-from twin.report.draw import Array, Estimates, finite, svg
-from twin.report.palette import TRUTH_COLOUR, colours
+from twin.report.draw import Array, Drawing, Estimates, finite
+from twin.report.palette import TRUTH_COLOUR, looks
 from twin.scores.scores import at, seconds
 from twin.streams import Table
 
@@ -20,12 +20,14 @@ BLOCK_S, BLOCKS = 5.0, (20, 40)
 """Errors over time are means of blocks of about so long, of at least and at most so many."""
 BOUNDS: tuple[tuple[str, Any], ...] = (("causal", "--"), ("offline", ":"))
 """Of `estimators.bounds`, each with its line."""
+NEES_SHOWN = (0.3, 3.0)
+"""The axis of the NEES reaches at least so far."""
 _DEG = 180.0 / np.pi
 
 
 def histogram(
     truth: Table, estimates: Estimates, window: Window, bound: Mapping[str, float]
-) -> str:
+) -> Drawing | None:
     """Distribution of the slip error inside the window, and that of the causal bound."""
     errors = {
         name: finite(error[inside(table, window)])
@@ -34,60 +36,66 @@ def histogram(
     }
     values = [e for e in errors.values() if len(e)]
     if not values:
-        return ""
+        return None
     reach = float(np.quantile(np.abs(np.concatenate(values)), 0.995)) * 100.0
     edges = np.linspace(-reach, reach, 61) if reach > 0 else np.linspace(-1.0, 1.0, 61)
 
     def draw(axes: Axes) -> None:
-        for name, colour in colours(estimates).items():
+        for name, (colour, _, style) in looks(estimates).items():
             if len(errors.get(name, [])):
                 counts, _ = np.histogram(100.0 * errors[name], edges)
                 density = counts / (len(errors[name]) * (edges[1] - edges[0]))
-                axes.stairs(density, edges, color=colour, label=name, lw=1.3)
+                axes.stairs(density, edges, color=colour, ls=style, label=name, lw=1.3)
         if (sd := 100.0 * bound.get("slip_causal", 0.0)) > 0.0:
             at_ = np.linspace(-min(4.0 * sd, reach), min(4.0 * sd, reach), 121)
             density = np.exp(-0.5 * (at_ / sd) ** 2) / (sd * np.sqrt(2.0 * np.pi))
             axes.plot(at_, density, "--", color=TRUTH_COLOUR, lw=1.0, label="bound, causal")
         axes.axvline(0.0, color=TRUTH_COLOUR, lw=0.8)
-        axes.set(xlabel="estimate - truth [% slip]", ylabel="density")
+        axes.set(xlabel="estimate - truth [% slip]", ylabel="density [1/%]")
 
-    return svg("Distribution of the slip error", draw)
+    return Drawing(title="Distribution of the slip error", draw=draw)
 
 
 def slip_error(
     truth: Table, estimates: Estimates, window: Window, bound: Mapping[str, float]
-) -> str:
+) -> Drawing | None:
     """RMS of the slip error over time, and the bounds as lines."""
     bounds = {w: bound[f"slip_{w}"] for w, _ in BOUNDS if f"slip_{w}" in bound}
     blocks = _blocks(truth, estimates, "slip", window)
     drawn = _error_drawing(blocks, estimates, bounds, "RMS error [% slip]", 100.0)
-    return svg("RMS of the slip error over time", drawn) if blocks else ""
+    return Drawing(title="RMS of the slip error over time", draw=drawn) if blocks else None
 
 
 def angle_error(
     truth: Table, estimates: Estimates, window: Window, bound: Mapping[str, float]
-) -> str:
+) -> Drawing | None:
     """RMS of the error of the sideslip angle over time, and the bounds as lines."""
     bounds = {w: bound[f"sideslip_{w}_rad"] for w, _ in BOUNDS if f"sideslip_{w}_rad" in bound}
     blocks = _blocks(truth, estimates, "sideslip_rad", window)
     drawn = _error_drawing(blocks, estimates, bounds, "RMS error of the angle [°]", _DEG)
-    return svg("RMS of the error of the sideslip angle over time", drawn) if blocks else ""
+    title = "RMS of the error of the sideslip angle over time"
+    return Drawing(title=title, draw=drawn) if blocks else None
 
 
-def nees(truth: Table, estimates: Estimates, window: Window) -> str:
-    """Squared slip error over reported variance, means of blocks of time; 1 is honest."""
-    blocks = _blocks(truth, estimates, "slip", window, honest=True)
+def nees(truth: Table, estimates: Estimates, window: Window) -> Drawing | None:
+    """Squared slip error over reported variance, means over blocks of time; 1 is consistent."""
+    blocks = _blocks(truth, estimates, "slip", window, consistency=True)
     if not blocks:
-        return ""
+        return None
 
     def draw(axes: Axes) -> None:
         _lines(axes, blocks, estimates)
         axes.axhline(1.0, color=TRUTH_COLOUR, lw=0.8)
-        axes.set(ylabel="NEES of slip", yscale="log")
+        axes.set(ylabel="NEES of slip [-]", yscale="log")
+        low, high = axes.get_ylim()
+        low, high = min(low, NEES_SHOWN[0]), max(high, NEES_SHOWN[1])
+        axes.set_ylim(low, high)
+        wide = high > 30.0 * low
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0,) if wide else (1.0, 2.0, 5.0)))
         axes.yaxis.set_major_formatter("{x:g}")
-        axes.yaxis.set_minor_formatter(LogFormatter(minor_thresholds=(1.0, 0.5)))
+        axes.yaxis.set_minor_formatter(NullFormatter())
 
-    return svg("Squared slip error over reported variance", draw, left=0.16)
+    return Drawing(title="Squared slip error over reported variance", draw=draw, left=0.16)
 
 
 def error_of(truth: Table, table: Table, column: str) -> Array | None:
@@ -116,15 +124,15 @@ def block_means(table: Table, values: Array, window: Window) -> tuple[Array, Arr
 
 
 def _blocks(
-    truth: Table, estimates: Estimates, column: str, window: Window, *, honest: bool = False
+    truth: Table, estimates: Estimates, column: str, window: Window, *, consistency: bool = False
 ) -> dict[str, tuple[Array, Array]]:
-    """Time and mean square error in blocks of each estimate; over its variance where `honest`."""
+    """Time and mean square error in blocks of each estimate; over its variance where `consistency`."""
     found = {}
     for name, table in estimates.items():
         error = error_of(truth, table, column)
-        if error is None or (honest and f"{column}_sd" not in table):
+        if error is None or (consistency and f"{column}_sd" not in table):
             continue
-        sd = table[f"{column}_sd"] if honest else 1.0
+        sd = table[f"{column}_sd"] if consistency else 1.0
         with np.errstate(divide="ignore", invalid="ignore"):
             time, means = block_means(table, (error / sd) ** 2, window)
         if np.isfinite(means).any():
@@ -133,9 +141,9 @@ def _blocks(
 
 
 def _lines(axes: Axes, blocks: Mapping[str, tuple[Array, Array]], estimates: Estimates) -> None:
-    for name, colour in colours(estimates).items():
+    for name, (colour, _, style) in looks(estimates).items():
         if name in blocks:
-            axes.plot(*blocks[name], color=colour, marker=".", lw=1.0, label=name)
+            axes.plot(*blocks[name], style, color=colour, marker=".", lw=1.0, label=name)
     axes.set_xlabel("time [s]")
 
 

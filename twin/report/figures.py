@@ -1,4 +1,4 @@
-"""Figures of what was driven and what was estimated of it, over time and in place."""
+"""Figures of the drive and of its estimates, over time and on a map."""
 
 from __future__ import annotations
 
@@ -8,7 +8,16 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from twin.report.draw import Estimates, columns, estimate_lines, limits, line, svg, thinned
+from twin.report.draw import (
+    Drawing,
+    Estimates,
+    as_map,
+    columns,
+    estimate_lines,
+    limits,
+    line,
+    thinned,
+)
 from twin.report.palette import SEA, TRUTH_COLOUR
 from twin.scores.scores import moving, seconds
 from twin.streams import Streams, Table
@@ -24,7 +33,7 @@ POWERS = {
     "transmission": ("power_transmission_w", "power_driveline_w", "power_brake_w"),
     "hitch, steering": ("power_joint_w", "power_lift_w", "power_steer_w", "power_contact_w"),
 }
-"""What is drawn of the power balance, from the terms of truth."""
+"""Label in the figure -> terms of the power balance in truth."""
 
 MOST_FIXES = 3000
 SMALLEST_M = 1e-3
@@ -36,7 +45,7 @@ def slip(
     estimates: Estimates,
     window: tuple[float, float] | None,
     bound: Mapping[str, float],
-) -> str:
+) -> Drawing | None:
     """Slip against time, every estimate with its band, truth with the bound's; window tinted."""
     estimates = {name: moving(table) for name, table in estimates.items()}
 
@@ -54,29 +63,29 @@ def slip(
         limits(axes, [*columns(truth, estimates, "slip")], 100.0)
         axes.set(xlabel="time [s]", ylabel="slip [%]")
 
-    return svg("Slip of the driven axle over time", draw)
+    return Drawing(title="Slip of the driven axle over time", draw=draw)
 
 
-def sideslip(truth: Table | None, estimates: Estimates) -> str:
+def sideslip(truth: Table | None, estimates: Estimates) -> Drawing | None:
     """Sideslip amount at the centre of gravity against time."""
     found = columns(truth, estimates, "sideslip_m")
     if not any(np.any(np.abs(c) > SMALLEST_M) for c in found):
-        return ""
+        return None
 
     def draw(axes: Axes) -> None:
         estimate_lines(axes, estimates, "sideslip_m", "sideslip_sd_m")
         line(axes, truth, "sideslip_m", "truth", TRUTH_COLOUR, width=1.4)
         axes.set(xlabel="time [s]", ylabel="sideslip [m]")
 
-    return svg("Sideslip at the centre of gravity over time", draw)
+    return Drawing(title="Sideslip at the centre of gravity over time", draw=draw)
 
 
-def path(truth: Table | None, streams: Streams) -> str:
-    """Where it drove: GNSS antenna, and the rear-axle centre where truth is known."""
+def path(truth: Table | None, streams: Streams) -> Drawing | None:
+    """Path of the GNSS antenna, and of the rear-axle centre where truth is known."""
     has_fixes = "gnss" in streams and "east_m" in streams["gnss"]
     has_truth = truth and "east_m" in truth
     if not (has_fixes or has_truth):
-        return ""
+        return None
 
     def draw(axes: Axes) -> None:
         if has_fixes:
@@ -87,15 +96,15 @@ def path(truth: Table | None, streams: Streams) -> str:
             rows = thinned(truth)
             axes.plot(rows["east_m"], rows["north_m"], color=TRUTH_COLOUR, label="truth, rear axle")
         axes.set(xlabel="east [m]", ylabel="north [m]")
-        _widen(axes)
+        as_map(axes)
 
-    return svg("Path, east and north", draw)
+    return Drawing(title="Path, east and north", draw=draw)
 
 
-def draft(truth: Table | None) -> str:
+def draft(truth: Table | None) -> Drawing | None:
     """Draft, and below it depth."""
     if not truth or not np.any(np.abs(truth.get("draft_n", np.zeros(1))) > 1.0):
-        return ""
+        return None
 
     def draw(upper: Axes, lower: Axes) -> None:
         line(upper, truth, "draft_n", "", TRUTH_COLOUR, scale=1e-3)
@@ -104,13 +113,13 @@ def draft(truth: Table | None) -> str:
         upper.set(ylabel="draft [kN]")
         lower.set(xlabel="time [s]", ylabel="depth [cm]")
 
-    return svg("Draft and depth of ploughing over time", draw, rows=2)
+    return Drawing(title="Draft and depth of ploughing over time", draw=draw, rows=2)
 
 
-def speeds(truth: Table | None, estimates: Estimates) -> str:
+def speeds(truth: Table | None, estimates: Estimates) -> Drawing | None:
     """Speed over ground and wheel speed against time."""
     if not columns(truth, estimates, "speed_mps"):
-        return ""
+        return None
 
     def draw(axes: Axes) -> None:
         estimate_lines(axes, estimates, "speed_mps", "")
@@ -118,13 +127,13 @@ def speeds(truth: Table | None, estimates: Estimates) -> str:
         line(axes, truth, "speed_mps", "ground, truth", TRUTH_COLOUR, width=1.4)
         axes.set(xlabel="time [s]", ylabel="speed [m/s]")
 
-    return svg("Speeds over time", draw)
+    return Drawing(title="Speeds over time", draw=draw)
 
 
-def power(truth: Table | None, window: tuple[float, float] | None) -> str:
-    """Where power goes, means over the window: of the engine's, and of height and speed lost."""
+def power(truth: Table | None, window: tuple[float, float] | None) -> Drawing | None:
+    """Mean power by use over the window, of that of the engine and of lost height and speed."""
     if not truth or window is None or "power_engine_w" not in truth:
-        return ""
+        return None
     time = seconds(truth)
     part = {name: c[(time >= window[0]) & (time <= window[1])] for name, c in truth.items()}
     engine_w = float(np.mean(part["power_engine_w"]))
@@ -136,11 +145,11 @@ def power(truth: Table | None, window: tuple[float, float] | None) -> str:
     } | {"height and speed": stored_w}
     means_w = {label: w for label, w in means_w.items() if w > LEAST_SHARE * whole_w}
     if whole_w <= LEAST_W or not means_w:
-        return ""
+        return None
     unit, per_unit, digits = ("kW", 1e-3, 1) if whole_w > 1000.0 else ("W", 1.0, 0)
-    came = f"of {per_unit * whole_w:.{digits}f} {unit} at the engine"
+    total = f"of {per_unit * whole_w:.{digits}f} {unit} at the engine"
     if -stored_w > LEAST_SHARE * whole_w:
-        came = came.removesuffix(" at the engine") + (
+        total = total.removesuffix(" at the engine") + (
             f": engine {per_unit * engine_w:.{digits}f}, "
             f"height and speed lost {-per_unit * stored_w:.{digits}f}"
         )
@@ -150,13 +159,14 @@ def power(truth: Table | None, window: tuple[float, float] | None) -> str:
         values = per_unit * np.array(list(means_w.values()))
         axes.barh(places, values, color=BLUE, height=0.65)
         for place, value in zip(places, values, strict=True):
-            said = f" {value:.{digits}f} {unit}, {value / (per_unit * whole_w):.0%}"
-            axes.text(value, place, said, va="center")
+            said = f"{value:.{digits}f} {unit}, {value / (per_unit * whole_w):.0%}"
+            beside: Any = {"xytext": (3.0, 0.0), "textcoords": "offset points", "va": "center"}
+            axes.annotate(said, (value, place), **beside)
         axes.set_yticks(places, list(means_w))
-        axes.set(xlabel=came, xlim=(0.0, 1.4 * float(values.max())))
+        axes.set(xlabel=f"mean power [{unit}]\n{total}", xlim=(0.0, 1.5 * float(values.max())))
         axes.grid(False)
 
-    return svg("Where power goes", draw, left=0.25)
+    return Drawing(title="Where power goes", draw=draw, left=0.27)
 
 
 def _growth(part: Table, name: str) -> float:
@@ -165,11 +175,3 @@ def _growth(part: Table, name: str) -> float:
         return 0.0
     time_s = seconds(part)
     return float(part[name][-1] - part[name][0]) / float(time_s[-1] - time_s[0])
-
-
-def _widen(axes: Axes) -> None:
-    """Never show less than 2 m of north or east: a straight line is not a zigzag."""
-    for get, put in ((axes.get_xlim, axes.set_xlim), (axes.get_ylim, axes.set_ylim)):
-        low, high = get()
-        spare = max(0.0, 2.0 - (high - low)) / 2.0
-        put(low - spare, high + spare)

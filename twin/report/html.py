@@ -1,4 +1,4 @@
-"""One page for every report: head, style, tables, and what made it. No network, no script."""
+"""The page of every report: head, style, tables, command and versions. No network, no script."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ th, td { padding: .3rem .6rem; text-align: right; white-space: nowrap }
 th, td { border-bottom: 1px solid var(--line) }
 th:first-child, td:first-child { text-align: left; padding-left: 0 }
 .names2 th:nth-child(2), .names2 td:nth-child(2) { text-align: left }
-thead th { color: var(--soft); font-weight: 600 }
+thead th { color: var(--soft); font-weight: 600; white-space: normal; vertical-align: bottom }
 dl { display: grid; grid-template-columns: repeat(auto-fill, minmax(9rem, 1fr)) }
 dl { gap: .6rem 1rem; margin: .8rem 0 }
 dt { color: var(--soft); font-size: .85rem }
@@ -74,8 +74,8 @@ def figures(drawn: Iterable[tuple[str, str, str]]) -> str:
 
 
 def made_with(command: str = "", note: str = "") -> str:
-    """How to do it again, and the versions that did it."""
-    head = f"<h2>Do it again</h2><pre>{html.escape(command)}</pre>" if command else ""
+    """The command that repeats it, and the versions that were used."""
+    head = f"<h2>How to repeat it</h2><pre>{html.escape(command)}</pre>" if command else ""
     said = f'<p class="soft">{html.escape(note)}</p>' if note else ""
     return f'{head or "<h2>Made with</h2>"}{said}<p class="soft">{html.escape(versions())}</p>'
 

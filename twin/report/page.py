@@ -1,4 +1,4 @@
-"""The page itself: headline table, figures, what was driven, and how to do it again."""
+"""The page: scores, figures, the scenario, and the command that repeats the run."""
 
 from __future__ import annotations
 
@@ -7,22 +7,27 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from twin.io.atomic import write_text
 from twin.io.plain import to_plain
 from twin.io.run_folder import RunLike
 from twin.report import errors, figures
+from twin.report.draw import Drawing
 from twin.report.html import document, made_with, table
 from twin.report.html import figures as figures_of
-from twin.scores.table import HEADERS, end_lines, score_rows, slip_lines
+from twin.scores.table import COVERAGE, HEADERS, end_lines, score_rows, slip_lines
 
 SLIP_OVER_TIME = (
     "Black: truth. Bands: ±2 reported standard deviations; about the truth, ±2 of the causal "
     "bound. Light grey: what is scored."
 )
 ERROR_OVER_TIME = (
-    "Means over stretches of time. The bounds are what sensors and motion allow, with what has "
-    "arrived (causal) or with everything (offline); a bias comes on top."
+    "RMS over blocks of time. The bounds are the smallest errors that sensors and motion allow, "
+    "from past samples (causal) or from all samples (offline). They contain no bias."
 )
-HONESTY = "Above 1 an estimator promises too much, below it too little."
+CONSISTENCY = (
+    "Mean squared error over reported variance. Above 1 the reported standard deviation is too "
+    "small, below 1 too large."
+)
 
 
 def write(run: RunLike, scores: Mapping[str, Any], path: Path, command: str = "") -> None:
@@ -32,9 +37,9 @@ def write(run: RunLike, scores: Mapping[str, Any], path: Path, command: str = ""
         run: the run.
         scores: as made by `twin.scores.scores.score`.
         path: the .html file.
-        command: what does it again; made of name and seed where none is given.
+        command: the command that repeats it; made of name and seed where none is given.
     """
-    path.write_text(page(run, scores, command), encoding="utf-8")
+    write_text(path, page(run, scores, command))
 
 
 def page(run: RunLike, scores: Mapping[str, Any], command: str = "") -> str:
@@ -48,11 +53,24 @@ def page(run: RunLike, scores: Mapping[str, Any], command: str = "") -> str:
         _driven(scores.get("truth") or {}),
         _headline(scores),
         _found(scores),
-        figures_of(_figures(run, scores)),
+        figures_of(
+            (title, drawn.svg(), caption)
+            for title, drawn, caption in _figures(run, scores)
+            if drawn
+        ),
         _parameters(run.scenario),
         _again(name, seed, run.scenario, command),
     ]
     return document(title, parts)
+
+
+def drawings(run: RunLike, scores: Mapping[str, Any]) -> dict[str, Drawing]:
+    """The figures of the page by file name without its ending, as `slip-error`."""
+    return {
+        title.lower().replace(" ", "-"): drawn
+        for title, drawn, _ in _figures(run, scores)
+        if drawn is not None
+    }
 
 
 def _what(run: RunLike, scores: Mapping[str, Any]) -> str:
@@ -66,7 +84,7 @@ def _what(run: RunLike, scores: Mapping[str, Any]) -> str:
 
 
 def _driven(truth: Mapping[str, float | None]) -> str:
-    """What was driven inside the window, as a list of figures."""
+    """Means and totals of the drive inside the window."""
     shown = (
         ("mean_speed_kmh", "Mean speed", 1.0, ".2f", "km/h"),
         ("distance_m", "Distance", 1.0, ".1f", "m"),
@@ -90,21 +108,21 @@ def _headline(scores: Mapping[str, Any]) -> str:
     if not rows:
         return ""
     note = (
-        "Errors are estimate minus truth at the same epoch. Coverage is the share of slip errors "
-        "within ±2 of the reported standard deviation (95.4 % when honest)."
+        f"Errors are estimate minus truth at the same epoch. '{COVERAGE}' is the share of slip "
+        "errors within two reported standard deviations; 95.4 % is right."
     )
     return f'<h2>Scores</h2>{table(HEADERS, rows)}<p class="soft">{note}</p>'
 
 
 def _found(scores: Mapping[str, Any]) -> str:
-    """What a recorded drive says of itself, and what was handled in reading it."""
+    """Slip of a recorded drive, and the notes of its reading."""
     lines = [*slip_lines(scores), *scores.get("notes", ())]
     items = "".join(f"<li>{html.escape(line)}</li>" for line in lines)
     title = "Slip of the drive" if slip_lines(scores) else "Notes"
     return f"<h2>{title}</h2><ul>{items}</ul>" if lines else ""
 
 
-def _figures(run: RunLike, scores: Mapping[str, Any]) -> Iterable[tuple[str, str, str]]:
+def _figures(run: RunLike, scores: Mapping[str, Any]) -> Iterable[tuple[str, Drawing | None, str]]:
     window = tuple(scores["window_s"]) if scores.get("window_s") else None
     truth, estimates, bound = run.truth, run.estimates, scores.get("bound") or {}
     caption = SLIP_OVER_TIME if truth else "Bands: ±2 reported standard deviations."
@@ -116,12 +134,12 @@ def _figures(run: RunLike, scores: Mapping[str, Any]) -> Iterable[tuple[str, str
     yield "Sideslip", figures.sideslip(truth, estimates), "At the centre of gravity; + is left."
     if truth and window is not None:
         yield "Sideslip angle error", errors.angle_error(*given), ERROR_OVER_TIME
-    yield "Path", figures.path(truth, run.streams), "East and north differ in scale."
+    yield "Path", figures.path(truth, run.streams), "East and north have one scale."
     yield "Draft and depth", figures.draft(truth), ""
     yield "Speeds", figures.speeds(truth, estimates), "At the rear-axle centre."
     yield "Power", figures.power(truth, window), "Means within the scored window."
     if truth and window is not None:
-        yield "Honesty", errors.nees(truth, estimates, window), HONESTY
+        yield "Consistency", errors.nees(truth, estimates, window), CONSISTENCY
 
 
 def _parameters(scenario: Any) -> str:

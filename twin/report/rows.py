@@ -1,4 +1,4 @@
-"""Reports of rows of figures: checks against their tolerance, means with their intervals."""
+"""Reports of rows: checks with their tolerances, means with their intervals."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ from matplotlib.axes import Axes
 from twin.io.atomic import write_text
 from twin.report.draw import svg
 from twin.report.html import document, figures, made_with, table
+from twin.report.palette import TRUTH_COLOUR
 
 Rows = Sequence[Mapping[str, Any]]
 
 BLUE, RED, GREY = "#0072B2", "#D55E00", "#e8e8e8"
 BEYOND = 1.6
-"""A figure further outside its band than this is drawn here, as an arrow."""
+"""A value further outside its band than this is drawn here."""
 ROW_IN, LABEL_LETTERS = 0.19, 32
 
 
@@ -31,19 +32,23 @@ def write_intervals(
     command: str,
     *,
     not_driven: Sequence[str] = (),
+    colour_of: Mapping[str, str] | None = None,
 ) -> None:
     """Means with 95 % intervals: a figure for each quantity, a line for each case.
 
     Args:
         path: the .html file.
         title, about: heading, and what was done, in a sentence.
-        rows: as `twin.io.result_rows` has them, the interval in `low` and `high`.
-        command: what does it again.
+        rows: as `twin.io.result_rows` has them, the interval in `low` and `high`; a `bound` beside
+            them is drawn as a line.
+        command: the command that repeats it.
         not_driven: runs that did not drive their course, and how each ended.
+        colour_of: case -> its colour in the figures.
     """
+    palette = colour_of or {}
     quantities = list(dict.fromkeys(row["quantity"] for row in rows))
     drawn = [
-        (_named(q, rows), interval_figure(q, [r for r in rows if r["quantity"] == q]), "")
+        (_named(q, rows), interval_figure(q, [r for r in rows if r["quantity"] == q], palette), "")
         for q in quantities
     ]
     cases = list(dict.fromkeys(row["case"] for row in rows))
@@ -73,10 +78,14 @@ def write_checks(
     said = f"{len(every)} rows, {len(every) - len(failed)} pass, {len(failed)} fail. {about}"
     parts = [f'<p class="soft">{html.escape(said)}</p>']
     if failed:
-        parts += ["<h2>What fails</h2>", _check_table(failed)]
+        parts += ["<h2>Failed checks</h2>", _check_table(failed)]
     parts += [
         figures(
-            (name, band_figure(rows), "Grey: the tolerance. Each dot is a row of the table below.")
+            (
+                name,
+                band_figure(rows),
+                "Grey: the tolerance. Each dot is one row of the table below.",
+            )
             for name, rows in sections.items()
             if rows
         )
@@ -87,28 +96,38 @@ def write_checks(
     write_text(path, document(title, [*parts, made_with(command)]))
 
 
-def interval_figure(quantity: str, rows: Rows) -> str:
-    """A dot and its interval for each case."""
-    values = np.array([row["ours"] for row in rows])
-    reach = np.array([[r["ours"] - r.get("low", r["ours"]) for r in rows],
-                      [r.get("high", r["ours"]) - r["ours"] for r in rows]])  # fmt: skip
+def interval_figure(quantity: str, rows: Rows, colour_of: Mapping[str, str]) -> str:
+    """A dot and its interval for each case, in the case's colour."""
+    names = [fill(row["case"], LABEL_LETTERS, break_on_hyphens=False) for row in rows]
+    lines = max(name.count("\n") for name in names) + 1
+    order = range(len(rows))[::-1]
 
     def draw(axes: Axes) -> None:
-        places = np.arange(len(rows))[::-1]
-        axes.errorbar(values, places, xerr=np.maximum(reach, 0.0), fmt="o", color=BLUE, capsize=3)
-        axes.set_yticks(places, [row["case"] for row in rows])
+        for place, row in zip(order, rows, strict=True):
+            mean = row["ours"]
+            reach = [mean - row.get("low", mean)], [row.get("high", mean) - mean]
+            colour = colour_of.get(row["case"], BLUE)
+            axes.errorbar(mean, place, xerr=np.abs(reach), fmt="o", color=colour, capsize=3)
+        bounds = {
+            place: row["bound"] for place, row in zip(order, rows, strict=True) if "bound" in row
+        }
+        if bounds:
+            ends = np.array([*bounds]) - 0.4, np.array([*bounds]) + 0.4
+            axes.vlines([*bounds.values()], *ends, color=TRUTH_COLOUR, ls="--", label="bound")
+        axes.set_yticks(list(order), names)
         axes.set_ylim(-0.6, len(rows) - 0.4)
         axes.grid(axis="y", visible=False)
-        axes.set_xlabel(_unit(quantity, rows))
+        axes.set_xlabel(_unit(quantity, rows) or quantity)
         axes.locator_params(axis="x", nbins=4)
 
-    longest = max(len(row["case"]) for row in rows)
-    left = min(0.6, 0.04 + 0.016 * longest)
-    return svg(quantity, draw, left=left, height_in=0.9 + 2.0 * ROW_IN * len(rows))
+    longest = max(len(line) for name in names for line in name.split("\n"))
+    left = min(0.7, 0.04 + 0.016 * longest)
+    height_in = 0.9 + (1.0 + lines) * ROW_IN * len(rows)
+    return svg(quantity, draw, left=left, height_in=height_in)
 
 
 def band_figure(rows: Rows) -> str:
-    """Where in its tolerance each figure lies: -1 and 1 are the ends, 0 the middle."""
+    """Place of each value in its tolerance: -1 and 1 are the ends, 0 the middle."""
     places = np.array([place_of(row) for row in rows])
 
     def draw(axes: Axes) -> None:
@@ -127,7 +146,7 @@ def band_figure(rows: Rows) -> str:
 
 
 def ratio_figure(rows: Rows) -> str:
-    """Each figure over the published one, and where its tolerance lies."""
+    """Each value over the published one, with its tolerance."""
     names = [fill(f"{row['case']}, {row['quantity']}", LABEL_LETTERS) for row in rows]
     lines = max(name.count("\n") for name in names) + 1
     published = np.array([float(row["published"]) for row in rows])

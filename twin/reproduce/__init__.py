@@ -1,4 +1,4 @@
-"""The papers' experiments, published figures and ours side by side.
+"""Experiments of papers: the published results compared with the twin's.
 
 Each is a function `rows(trials, jobs) -> list of rows` as `twin.io.result_rows` writes them.
 """

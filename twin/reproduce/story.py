@@ -27,7 +27,7 @@ class Story:
 
 
 def write(path: Path, title: str, rows: Rows, story: Story, command: str = "") -> None:
-    """Write the report as one HTML page, no network; `command` is what does it again."""
+    """Write the report as one HTML page, no network; `command` is what repeats it."""
     write_text(path, page(title, rows, story, command))
 
 

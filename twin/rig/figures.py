@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from twin.report.palette import PICTURE, SEA, TRUTH_COLOUR, colours
+from twin.report.palette import SEA, TRUTH_COLOUR, colours
 from twin.rig.drawbar import DrawbarCurve
 from twin.rig.gears import Gears
 from twin.rig.park import Creep
@@ -24,18 +22,17 @@ GRADED = ("-", "--", ":", "-.")
 """Line styles of the loads."""
 
 
-def wheel(curve: WheelCurve, towed: Free, title: str, path: Path) -> None:
+def wheel(curve: WheelCurve, towed: Free, title: str) -> Figure:
     """Gross and net traction, resistance, efficiency and side force against slip."""
-    with mpl.rc_context(PICTURE):
-        figure = Figure(figsize=(9.6, 6.4), layout="constrained")
-        axes = figure.subplots(2, 2).ravel()
-        figure.suptitle(title, x=0.01, ha="left", fontsize=10.5)
-        straight = _only(curve, slip_angle_rad=_smallest_angle(curve))
-        _traction(axes[0], straight)
-        _efficiency(axes[1], straight)
-        _resistance(axes[2], straight, towed)
-        _side(axes[3], curve)
-        figure.savefig(path)
+    figure = Figure(figsize=(9.6, 6.4), layout="constrained")
+    axes = figure.subplots(2, 2).ravel()
+    figure.suptitle(title, x=0.01, ha="left")
+    straight = _only(curve, slip_angle_rad=_smallest_angle(curve))
+    _traction(axes[0], straight)
+    _efficiency(axes[1], straight)
+    _resistance(axes[2], straight, towed)
+    _side(axes[3], curve)
+    return figure
 
 
 def _traction(axes: Axes, curve: WheelCurve) -> None:
@@ -86,76 +83,73 @@ def _side(axes: Axes, curve: WheelCurve) -> None:
         axes.set(title="sinkage [mm]", ylim=(0.0, None))
     for angle, colour in zip(angles, colours(map(str, angles)).values(), strict=True):
         for style, part, load in _by_load(_only(curve, slip_angle_rad=angle)):
-            label = f"{np.degrees(angle):g}°, {load}"
+            label = f"{round(np.degrees(angle), 3):g}°, {load}"
             axes.plot(100 * part.slip, part.lateral_ratio, style, color=colour, label=label)
         axes.set(title="lateral coefficient [-] by slip angle")
     axes.legend(ncols=2)
 
 
-def drawbar(curve: DrawbarCurve, slips: Array, expected_n: Array, title: str, path: Path) -> None:
+def drawbar(curve: DrawbarCurve, slips: Array, expected_n: Array, title: str) -> Figure:
     """Pull, axle loads and drawbar power against slip."""
-    with mpl.rc_context(PICTURE):
-        figure = Figure(figsize=(9.6, 3.4), layout="constrained")
-        left, right = figure.subplots(1, 2)
-        figure.suptitle(title, x=0.01, ha="left", fontsize=10.5)
-        palette = colours(("pull", "power", "rear", "front"))
-        slip = 100 * curve.slip
-        left.plot(slip, curve.pull_n / 1e3, color=palette["pull"], label="loads held")
-        left.plot(
-            100 * slips, expected_n / 1e3, "o", color=TRUTH_COLOUR, ms=4,
-            label="wheel rig and weight transfer",
-        )  # fmt: skip
-        left.set(title="pull [kN]", xlabel="slip of the rear axle [%]", ylim=(0.0, None))
-        left.legend()
-        right.plot(slip, curve.rear_load_n / 1e3, color=palette["rear"], label="rear load [kN]")
-        right.plot(slip, curve.front_load_n / 1e3, color=palette["front"], label="front load [kN]")
-        power = curve.drawbar_power_w / 1e3
-        right.plot(slip, power, color=palette["power"], label="drawbar power [kW]")
-        right.set(title="loads and power", xlabel="slip of the rear axle [%]", ylim=(0.0, None))
-        right.legend()
-        figure.savefig(path)
+    figure = Figure(figsize=(9.6, 3.4), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    figure.suptitle(title, x=0.01, ha="left")
+    palette = colours(("pull", "power", "rear", "front"))
+    slip = 100 * curve.slip
+    left.plot(slip, curve.pull_n / 1e3, color=palette["pull"], label="loads held")
+    left.plot(
+        100 * slips, expected_n / 1e3, "o", color=TRUTH_COLOUR, ms=4,
+        label="wheel rig and weight transfer",
+    )  # fmt: skip
+    left.set(title="pull [kN]", xlabel="slip of the rear axle [%]", ylim=(0.0, None))
+    left.legend()
+    right.plot(slip, curve.rear_load_n / 1e3, color=palette["rear"], label="rear load [kN]")
+    right.plot(slip, curve.front_load_n / 1e3, color=palette["front"], label="front load [kN]")
+    power = curve.drawbar_power_w / 1e3
+    right.plot(slip, power, color=palette["power"], label="drawbar power [kW]")
+    right.set(title="loads and power", xlabel="slip of the rear axle [%]", ylim=(0.0, None))
+    right.legend()
+    return figure
 
 
-def gears(found: Gears, title: str, path: Path) -> None:
+def gears(found: Gears, title: str) -> Figure:
     """Drawbar power, pull, slip and fuel of each gear against the speed reached."""
-    with mpl.rc_context(PICTURE):
-        figure = Figure(figsize=(9.6, 3.4), layout="constrained")
-        left, right = figure.subplots(1, 2)
-        figure.suptitle(title, x=0.01, ha="left", fontsize=10.5)
-        palette = colours(("drawbar power", "crank power", "pull", "slip", "fuel"))
-        speed_kmh = 3.6 * found.speed_mps
-        for name, values in (
-            ("crank power", found.crank_power_w),
-            ("drawbar power", found.drawbar_power_w),
-        ):
-            left.plot(speed_kmh, values / 1e3, "o-", color=palette[name], label=f"{name} [kW]")
-        left.set(title="greatest steady power", xlabel="speed [km/h]", ylim=(0.0, None))
-        left.legend()
-        for name, values, unit in (
-            ("pull", found.pull_n / 1e3, "kN"), ("slip", 100 * found.slip, "%"),
-            ("fuel", found.fuel_lph, "L/h"),
-        ):  # fmt: skip
-            right.plot(speed_kmh, values, "o-", color=palette[name], label=f"{name} [{unit}]")
-        right.set(title="at that power", xlabel="speed [km/h]", ylim=(0.0, None))
-        right.legend()
-        figure.savefig(path)
+    figure = Figure(figsize=(9.6, 3.4), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    figure.suptitle(title, x=0.01, ha="left")
+    palette = colours(("drawbar power", "crank power", "pull", "slip", "fuel"))
+    speed_kmh = 3.6 * found.speed_mps
+    for name, values in (
+        ("crank power", found.crank_power_w),
+        ("drawbar power", found.drawbar_power_w),
+    ):
+        left.plot(speed_kmh, values / 1e3, "o-", color=palette[name], label=f"{name} [kW]")
+    left.set(title="greatest steady power", xlabel="speed [km/h]", ylim=(0.0, None))
+    left.legend()
+    for name, values, unit in (
+        ("pull", found.pull_n / 1e3, "kN"), ("slip", 100 * found.slip, "%"),
+        ("fuel", found.fuel_lph, "L/h"),
+    ):  # fmt: skip
+        right.plot(speed_kmh, values, "o-", color=palette[name], label=f"{name} [{unit}]")
+    right.set(title="at that power", xlabel="speed [km/h]", ylim=(0.0, None))
+    right.legend()
+    return figure
 
 
-def slope(seen: CrabAngles, expected: CrabAngles, title: str, path: Path) -> None:
+def slope(seen: CrabAngles, expected: CrabAngles, title: str) -> Figure:
     """Crab angle, steering and slip against cross slope."""
-    with mpl.rc_context(PICTURE):
-        figure = Figure(figsize=(9.6, 3.4), layout="constrained")
-        left, right = figure.subplots(1, 2)
-        figure.suptitle(title, x=0.01, ha="left", fontsize=10.5)
-        palette = colours(("crab angle", "steering", "slip"))
-        _both(left, seen, expected, "crab_angle_rad", palette["crab angle"], "crab angle")
-        _both(left, seen, expected, "steer_rad", palette["steering"], "steering")
-        left.set(title="angle uphill of the line [°]", xlabel="cross slope [°]")
-        left.legend()
-        _both(right, seen, expected, "slip", palette["slip"], "slip of the rear axle")
-        right.set(title="slip [%]", xlabel="cross slope [°]")
-        right.legend()
-        figure.savefig(path)
+    figure = Figure(figsize=(9.6, 3.4), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    figure.suptitle(title, x=0.01, ha="left")
+    palette = colours(("crab angle", "steering", "slip"))
+    _both(left, seen, expected, "crab_angle_rad", palette["crab angle"], "crab angle")
+    _both(left, seen, expected, "steer_rad", palette["steering"], "steering")
+    left.set(title="angle uphill of the line [°]", xlabel="cross slope [°]")
+    left.legend()
+    _both(right, seen, expected, "slip", palette["slip"], "slip of the rear axle")
+    right.set(title="slip [%]", xlabel="cross slope [°]")
+    right.legend()
+    return figure
 
 
 def _both(
@@ -169,22 +163,21 @@ def _both(
     )
 
 
-def park(creep: Creep, title: str, path: Path) -> None:
+def park(creep: Creep, title: str) -> Figure:
     """How far the parked tractor went, slope by slope."""
-    with mpl.rc_context(PICTURE):
-        figure = Figure(figsize=(6.4, 3.4), layout="constrained")
-        axes = figure.subplots()
-        figure.suptitle(title, x=0.01, ha="left", fontsize=10.5)
-        names = [
-            f"{c:g}° across" if not g else f"{g:g}° along" if not c else f"{c:g}° / {g:g}°"
-            for c, g in zip(creep.cross_slope_deg, creep.grade_deg, strict=True)
-        ]
-        axes.bar(names, np.maximum(1e3 * creep.creep_m, 1e-6), color=colours("ab")["b"])
-        axes.axhline(1.0, color=TRUTH_COLOUR, lw=0.8, ls="--", label="1 mm")
-        axes.set(title="creep [mm]", yscale="log")
-        axes.tick_params(axis="x", rotation=30)
-        axes.legend()
-        figure.savefig(path)
+    figure = Figure(figsize=(6.4, 3.4), layout="constrained")
+    axes = figure.subplots()
+    figure.suptitle(title, x=0.01, ha="left")
+    names = [
+        f"{c:g}° across" if not g else f"{g:g}° along" if not c else f"{c:g}° / {g:g}°"
+        for c, g in zip(creep.cross_slope_deg, creep.grade_deg, strict=True)
+    ]
+    axes.bar(names, np.maximum(1e3 * creep.creep_m, 1e-6), color=colours("ab")["b"])
+    axes.axhline(1.0, color=TRUTH_COLOUR, lw=0.8, ls="--", label="1 mm")
+    axes.set(title="creep [mm]", yscale="log")
+    axes.tick_params(axis="x", rotation=30)
+    axes.legend()
+    return figure
 
 
 def _smallest_angle(curve: WheelCurve) -> float:

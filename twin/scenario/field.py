@@ -21,10 +21,11 @@ class Patch:
     start_m: float
     """Where it begins, along the course [m]."""
     length_m: float
+    """Its length along the course [m]."""
     friction_factor: float = 1.0
-    """Friction there, over that of the soil around."""
+    """Friction there, over that of the soil around [-]."""
     cone_index_factor: float = 1.0
-    """Cone index there, over that of the soil around."""
+    """Cone index there, over that of the soil around [-]."""
 
     def __post_init__(self) -> None:
         check_range("patch.start_m", self.start_m, -1000.0, 10000.0)

@@ -28,8 +28,11 @@ class Scenario:
     """One run: a machine on a field, what it does, what measures it, and the seed of all chance."""
 
     name: str
+    """Its name, in tables and in the name of the run's folder."""
     about: str = ""
+    """What it is, in one line."""
     machine: str = "taishan_1404a"
+    """The tractor: taishan_1404a (with a plough) or electric_tractor (without)."""
     soil: Soil = dataclasses.field(default_factory=Soil)
     field: Field = dataclasses.field(default_factory=Field)
     plough: Plough | None = None
@@ -39,6 +42,7 @@ class Scenario:
     timestep_s: float = 0.002
     """Time step of the physics [s]."""
     seed: int = 0
+    """Seed of everything random: ground, sensors, mounting errors."""
 
     def __post_init__(self) -> None:
         if self.machine not in MACHINES:

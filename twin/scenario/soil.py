@@ -48,7 +48,10 @@ class Soil:
     """The ground's material. What is None follows the preset."""
 
     preset: str = "firm"
-    """One of twin.scenario.soils.PRESETS."""
+    """Soil by name: firm, tilled, soft, asphalt, gravel, dry, wet, grass, sandy-loam-11,
+    sandy-loam-15, sandy-loam-22, sandy-loam-23, clayey-38, heavy-clay-25, lean-clay-22,
+    upland-sandy-loam-51, rubicon-sandy-loam-43, north-gower-46, grenville-loam-24, dry-sand,
+    lete-sand. `twin list` says what each is."""
     law: str = "brixius"
     """Tyre-soil law: brixius, bekker, or your own as module:function."""
     friction: float | None = None

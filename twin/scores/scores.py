@@ -198,8 +198,8 @@ def error_scores(error: Array, sd: Array | None = None) -> Scores:
 
         rmse = sqrt(mean e**2)   mae = mean |e|   max = max |e|   bias = mean e
         p999 = 0.999 quantile of |e|
-        coverage_2sd = share of |e| <= 2 sd   (0.954 for an honest Gaussian)
-        nees_mean = mean (e / sd)**2          (1 for an honest one)
+        coverage_2sd = share of |e| <= 2 sd   (0.954 for a consistent Gaussian)
+        nees_mean = mean (e / sd)**2          (1 for a consistent estimator)
 
     Args:
         error: estimate - truth. Shape (n,).
@@ -219,10 +219,10 @@ def error_scores(error: Array, sd: Array | None = None) -> Scores:
         "p999": float(np.quantile(size, 0.999)),
         **counts,
     }
-    return result if sd is None else result | _honesty(error, sd)
+    return result if sd is None else result | _consistency(error, sd)
 
 
-def _honesty(error: Array, sd: Array) -> dict[str, float | None]:
+def _consistency(error: Array, sd: Array) -> dict[str, float | None]:
     known = np.isfinite(error) & np.isfinite(sd) & (sd > 0.0)
     if not np.any(known):
         return {"coverage_2sd": None, "nees_mean": None}

@@ -5,11 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-HEADERS = (
-    "estimator", "slip RMSE [%]", "MAE [%]", "max [%]", "bias [%]", "in ±2 sd [%]",
-    "angle RMSE [°]", "sideslip [m]", "true [m]", "error [%]",
-)  # fmt: skip
-"""The first column names the estimator; the rest is slip, then sideslip."""
+COVERAGE = "within ±2 sd [%]"
+"""What the share of errors within two reported standard deviations is called everywhere."""
+RANKS = {
+    "estimator": 0, "slip RMSE [%]": 0, "MAE [%]": 6, "max [%]": 5, "bias [%]": 2, COVERAGE: 1,
+    "angle RMSE [°]": 0, "sideslip [m]": 3, "true sideslip [m]": 4,
+    "sideslip error [%]": 2,
+}  # fmt: skip
+"""Heading -> its rank: the greatest is left out first where there is no room, 0 never.
+
+The first column names the estimator; the rest is slip, then sideslip.
+"""
+HEADERS = tuple(RANKS)
 
 _DEG = 57.29577951308232
 
@@ -31,7 +38,7 @@ def score_rows(scores: Mapping[str, Any]) -> list[list[str]]:
 
 
 def end_lines(scores: Mapping[str, Any]) -> list[str]:
-    """How a run ended that was not driven as planned, its outcome in capitals; else nothing."""
+    """End of a run that was not driven as planned, its outcome in capitals; else nothing."""
     end, lines = scores.get("end"), []
     if end is not None and not end["as_planned"]:
         outcome, ended = end["outcome"], str(scores["ended"])
@@ -42,7 +49,7 @@ def end_lines(scores: Mapping[str, Any]) -> list[str]:
 
 
 def slip_lines(scores: Mapping[str, Any]) -> list[str]:
-    """What `twin estimate` found of slip, a sentence each; nothing for a simulated run."""
+    """Slip of a recorded drive, one sentence each; nothing for a simulated run."""
     lines = [f"{n}: {_spread(s)}, while driving" for n, s in scores.get("slip", {}).items()]
     for name, slip in scores.get("steady_slip", {}).items():
         lines.append(f"{name}: {_spread(slip)}, in steady work")

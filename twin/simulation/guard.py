@@ -83,7 +83,9 @@ class Evidence:
 
     def write(self, directory: Path) -> None:
         """Write model.mjb, states.npz, scenario.json and failure.json into a directory."""
-        mujoco.mj_saveModel(self.model, str(directory / MODEL_FILE))
+        compiled = np.empty(mujoco.mj_sizeModel(self.model), np.uint8)
+        mujoco.mj_saveModel(self.model, None, compiled)  # to a full disk it says nothing
+        (directory / MODEL_FILE).write_bytes(compiled.tobytes())
         np.savez(directory / STATES_FILE, states=self.states, steps=self.steps)
         (directory / SCENARIO_FILE).write_text(_json(to_plain(self.scenario)))
         said = dataclasses.asdict(self.failure) | {

@@ -1,7 +1,7 @@
 """One run of a study, from the scenario to a Parquet file with a row for each estimator.
 
-What fails is a row with its error: a run's in all of its rows, an estimator's in its own. A run
-that was not driven as planned is no failure; its rows say how it ended, and what there is to score.
+An error is kept in the rows: that of a run in all its rows, that of an estimator in its own. A run
+that was not driven as planned is no failure: its rows say how it ended, with the scores there are.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from twin.errors import TwinError
 from twin.io.atomic import written_when_complete
 from twin.pipeline import named as registry
 from twin.pipeline.estimating import estimates
+from twin.pipeline.scored import bound
 from twin.plugins.lookup import line
 from twin.scores import scores
 from twin.studies.plan import Case
@@ -33,7 +34,7 @@ def write(case: Case, folder: Path) -> None:
 
 
 def rows(case: Case) -> list[Row]:
-    """A row for each estimator: what was run, `error`, `ended`, `truth.*`, and its scores.
+    """A row for each estimator: what was run, `error`, `ended`, `truth.*`, its scores, `bound.*`.
 
     `ended` is how the run ended in words, `as_planned` whether that is the end of its course.
     """
@@ -45,7 +46,22 @@ def rows(case: Case) -> list[Row]:
     except Exception as error:  # whatever a user's scenario or soil law raises
         failed = head | {"error": _said(error), "ended": None, "as_planned": None}
         return [failed | {"estimator": name} for name in case.estimators]
-    return [head | {"estimator": name} | _estimated(case, name, done) for name in case.estimators]
+    bounds = _bounds(case, done)
+    return [
+        head | {"estimator": name} | _estimated(case, name, done) | bounds
+        for name in case.estimators
+    ]
+
+
+def _bounds(case: Case, done: Any) -> Row:
+    """`bound.*`: the smallest errors that the sensors and the motion allow, where there are any."""
+    if scores.why_unscored(done.truth, case.run, done.end) is not None:
+        return {}
+    window = scores.scored_window_s(done.truth, case.run)
+    try:
+        return flat({"bound": bound(done, done.truth, window) or {}})
+    except Exception:  # a user's streams may be of a kind that the bound does not know
+        return {}
 
 
 def _estimated(case: Case, name: str, done: Any) -> Row:

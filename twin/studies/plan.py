@@ -1,4 +1,4 @@
-"""Which runs a study is made of.
+"""The runs of a study.
 
 The same seeds serve every scenario, sweep and estimator, so that differences are paired.
 """
@@ -34,7 +34,7 @@ class Case:
     estimators: tuple[str, ...]
     """As they were asked for: names, or module:Name."""
     part: str
-    """File name of its part: of the same run the same, of any other another."""
+    """File name of its part. Equal runs have equal names, different runs different ones."""
 
 
 def plan(
@@ -100,7 +100,7 @@ def _settings(
             setting = ", ".join(f"{path} = {value}" for path, value in swept)
             said.append(f"{scenario}, {setting}: {why}")
     if said and not kept:
-        raise BadInput(f"nothing of the sweep can be run: {said[0]}")
+        raise BadInput(f"no value of the sweep can be run: {said[0]}")
     return kept, said
 
 

@@ -1,4 +1,4 @@
-"""A study as one call: what is missing of it is done, and its table and summary are written."""
+"""A study as one call: do its missing runs, then write its table and summary."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ PARTS, TABLE, SUMMARY, PLAN = "parts", "table.parquet", "summary.json", "study.j
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """What a study gave."""
+    """The result of a study."""
 
     folder: Path
     cases: Sequence[Case]
@@ -47,7 +47,7 @@ def study(
     options: Mapping[str, Any] | None = None,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Study:
-    """Scenarios x sweeps x seeds, every estimator on each; a study that was killed goes on.
+    """Scenarios x sweeps x seeds, every estimator on each; a stopped study can be continued.
 
     Args:
         scenarios, estimators: names, or `module:Name` of your own.
@@ -57,7 +57,7 @@ def study(
         against: an estimator that the others are compared with, seed by seed.
         jobs: processes; -1 for as many as the backend has.
         backend, options: where the runs run, as joblib calls it, and what it is told.
-        progress: told the share of the runs done.
+        progress: called with the share of the runs done.
 
     Raises:
         BadInput: a name or a field is unknown, or the folder is not a study's.
@@ -82,20 +82,20 @@ def begin(folder: Path, asked: Any) -> None:
     """Make the folder, or see that it is a study's, and write down what was asked.
 
     Raises:
-        BadInput: it is another folder, or cannot be written.
+        NoSpace, BadInput: it is another folder, or cannot be written.
     """
     import json
 
-    from twin.io.atomic import write_text
+    from twin.io.atomic import made, refusal, write_text
 
     ours = (folder / PLAN).exists() or not folder.exists() or not any(folder.iterdir())
     if not ours:
         raise BadInput(f"{folder} exists and is not a study's folder; choose another --out")
     try:
-        (folder / PARTS).mkdir(parents=True, exist_ok=True)
+        with made(folder / PARTS):
+            write_text(folder / PLAN, json.dumps({"twin study": asked}) + "\n")
     except OSError as error:
-        raise BadInput(f"{folder} cannot be written: {error.strerror}") from None
-    write_text(folder / PLAN, json.dumps({"twin study": asked}) + "\n")
+        raise refusal(folder, error) from None
 
 
 def finished(

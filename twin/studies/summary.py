@@ -2,6 +2,8 @@
 
     mean -+ t(0.975, n - 1) sd / sqrt(n)
 
+The interval of what cannot be negative, as an RMSE, ends at 0.
+
 Runs that failed are left out and counted. Runs that were not driven as planned are counted, and
 stand in the means with what was scored of them.
 """
@@ -10,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,12 @@ Row = Mapping[str, Any]
 
 UNITS = {"m": "m", "rad": "rad", "mps": "m/s", "kmh": "km/h", "kn": "kN"}
 """Last part of a quantity's name -> its unit."""
+NEVER_NEGATIVE = {
+    "rmse", "mae", "max", "p999", "rel_err", "coverage_2sd", "nees_mean", "slip_sd", "draft_cv",
+    "depth_sd_m", "slip_causal", "slip_offline", "speed_causal_mps", "sideslip_causal_rad",
+    "sideslip_offline_rad",
+}  # fmt: skip
+"""Last part of the name of quantities that are never below 0."""
 NOT_MEASURED = {"scenario", "seed", "estimator", "error", "ended", "as_planned"}
 
 
@@ -37,6 +45,11 @@ class Group:
     def setting(self) -> str:
         """`plough-25cm, soil.friction = 0.6`."""
         return ", ".join([self.scenario, *(f"{path} = {value}" for path, value in self.swept)])
+
+    @property
+    def case(self) -> str:
+        """What the rows of results call it: setting and estimator."""
+        return f"{self.setting}, {self.estimator}"
 
     @property
     def failed(self) -> int:
@@ -62,6 +75,11 @@ class Mean:
     low: float
     high: float
     n: int
+
+    @property
+    def half(self) -> float:
+        """Half the width of the interval about the mean."""
+        return self.high - self.mean
 
 
 def groups(rows: Iterable[Row], swept: Sequence[str]) -> list[Group]:
@@ -100,6 +118,14 @@ def quantities(rows: Iterable[Row], swept: Sequence[str]) -> list[str]:
     return [name for name in dict.fromkeys(found) if name not in known]
 
 
+def mean_of(group: Group, quantity: str) -> Mean:
+    """Mean and interval of a quantity over the seeds."""
+    found = mean(group.values(quantity).values())
+    if quantity.rpartition(".")[2] in NEVER_NEGATIVE and found.low < 0.0:
+        return replace(found, low=0.0)
+    return found
+
+
 def mean(values: Iterable[float]) -> Mean:
     """Mean and interval; NaN of nothing."""
     from scipy.stats import t  # late: slow to import
@@ -121,6 +147,16 @@ def paired(group: Group, other: Group, quantity: str) -> Mean:
     return mean(ours[seed] - theirs[seed] for seed in ours if seed in theirs)
 
 
+def differences_to(found: Sequence[Group], quantity: str, against: str) -> list[Mean | None]:
+    """Mean difference of each group to an estimator on its setting; None for that one itself."""
+    references = {group.setting: group for group in found if group.estimator == against}
+    return [
+        None if (other := references.get(group.setting)) in (None, group)
+        else paired(group, other, quantity)
+        for group in found
+    ]  # fmt: skip
+
+
 def rows(
     found: Sequence[Group], measured: Sequence[str], against: str | None = None
 ) -> list[dict[str, Any]]:
@@ -134,13 +170,13 @@ def rows(
     out = []
     references = {g.setting: g for g in found if g.estimator == against}
     for group in found:
-        case = f"{group.setting}, {group.estimator}"
+        case = group.case
         out.append(row(case, "runs", len(group.rows), "1"))
         out.append(row(case, "failed", group.failed, "1"))
         out.append(row(case, "not driven as planned", group.not_driven, "1"))
         reference = references.get(group.setting)
         for quantity in measured:
-            out += _row(case, quantity, mean(group.values(quantity).values()), quantity)
+            out += _row(case, quantity, mean_of(group, quantity), quantity)
             if reference is not None and reference is not group:
                 difference = paired(group, reference, quantity)
                 out += _row(case, f"{quantity} less that of {against}", difference, quantity)

@@ -1,4 +1,4 @@
-"""All parts of a plan as one table, in the order of the plan, whoever wrote them and when."""
+"""All parts of a plan as one table, in the order of the plan."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ def _part(path: Path) -> Any:
     try:
         return pq.ParquetFile(path).read()
     except FileNotFoundError:
-        raise BadInput(f"{path} is missing; the same command does its run") from None
+        raise BadInput(f"{path} is missing; the same command does that run") from None
     except (pa.ArrowException, OSError, ValueError) as error:
         text = f"{path} is not a whole Parquet file: {line(error)}"
-        raise BadInput(f"{text}; delete it, and the same command does its run again") from None
+        raise BadInput(f"{text}; delete it, and the same command repeats its run") from None
 
 
 def failed(cases: Sequence[Case], folder: Path) -> list[Path]:
-    """Parts that are there and tell of an error."""
+    """Parts that hold an error."""
     import pyarrow.parquet as pq
 
     def fails(path: Path) -> bool:

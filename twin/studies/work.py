@@ -1,4 +1,4 @@
-"""Doing what of a plan is missing. Who runs where is joblib's affair.
+"""Do the missing runs of a plan. joblib decides which process does which run.
 
 Workers write their parts themselves and hand nothing back, so on a cluster the folder must be one
 that all nodes share.
@@ -13,7 +13,7 @@ from typing import Any
 import joblib
 
 from twin.compute.parallel import Counted
-from twin.errors import BadInput
+from twin.errors import BadInput, NoSpace
 from twin.plugins.lookup import attribute, line
 from twin.studies import part
 from twin.studies.plan import Case
@@ -25,7 +25,7 @@ REGISTERED_BY = {"ray": "ray.util.joblib:register_ray"}
 
 
 def missing(cases: Sequence[Case], folder: Path) -> list[Case]:
-    """Those without a part in the folder."""
+    """The cases without a part in the folder."""
     there = {path.name for path in folder.glob("*.parquet")}
     return [case for case in cases if case.part not in there]
 
@@ -47,9 +47,10 @@ def work(
         jobs: processes; -1 for all that the backend has.
         backend: as joblib calls it: loky, multiprocessing, dask, ray, or one of the user's.
         options: what the backend takes besides.
-        progress: told the share of the plan that is done.
+        progress: called with the share of the plan that is done.
 
     Raises:
+        NoSpace: the disk is full.
         BadInput: there is no such backend, it cannot be reached, or a worker was lost.
     """
     folder = folder.absolute()
@@ -66,8 +67,8 @@ def work(
         with workers:
             told(joblib.delayed(part.write)(case, folder) for case in todo)
     except Exception as error:  # a run's own are rows; this is a full disk or a lost worker
-        text = f"the study stopped: {line(error)}; the same command does what is missing"
-        raise BadInput(text) from None
+        text = f"the study stopped: {line(error)}; the same command continues it"
+        raise (NoSpace if isinstance(error, NoSpace) else BadInput)(text) from None
     for leftover in folder.glob(".*.parquet.*"):  # of runs that were killed while writing
         leftover.unlink(missing_ok=True)
 
@@ -79,6 +80,8 @@ def _workers(backend: str, jobs: int, options: Mapping[str, Any]) -> Any:
             attribute("backend", REGISTERED_BY[backend])()
         return joblib.parallel_config(backend=backend, n_jobs=jobs, **options)
     except BadInput as error:
-        raise BadInput(f"--backend {backend}: {error}; pip install {backend} would do") from None
+        raise BadInput(
+            f"--backend {backend}: {error}; install it with: pip install {backend}"
+        ) from None
     except Exception as error:  # whatever a backend raises when it cannot be had
         raise BadInput(f"--backend {backend} cannot be used: {line(error)}") from None

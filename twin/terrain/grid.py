@@ -25,7 +25,7 @@ class GridMap:
     right_m: float
     """t of the first row."""
     repeats: bool
-    """Whether it goes on without end; if not, its border does."""
+    """Whether the map repeats; if not, its border values continue."""
 
     def at(self, s_m: Array, t_m: Array) -> Array:
         """Values at places on the ground, as `twin.physics.ground.on_map`; arrays of one shape."""

@@ -1,4 +1,4 @@
-"""What happened, in words: plough in and out, fix lost and found, rocks, frames unused, the end."""
+"""Events in words: plough in and out, fix lost and regained, rocks, unused frames, the end."""
 
 from __future__ import annotations
 

@@ -11,6 +11,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
+from twin.io.atomic import write_bytes
 from twin.io.run_folder import RunLike
 from twin.streams import Setup, Streams, Table
 from twin.viz import forces, plots, scene, tracks
@@ -137,15 +138,23 @@ def view(path: Path) -> None:
 
 
 class _Recording:
-    """A recording into a file, complete when the block ends."""
+    """A recording into a file, complete when the block ends.
+
+    It is held in memory until then: on a full disk rerun's own file writer may wait for ever.
+    """
 
     def __init__(self, path: Path, blueprint: rrb.Blueprint) -> None:
+        self._path = path
         self._stream = rr.RecordingStream(APPLICATION, recording_id=None)
-        self._stream.save(path, default_blueprint=blueprint)
+        self._memory = self._stream.memory_recording()
+        self._stream.send_blueprint(blueprint, make_active=False, make_default=True)
 
     def __enter__(self) -> rr.RecordingStream:
         return self._stream
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: object, *_: object) -> None:
         self._stream.flush()
+        recorded = self._memory.drain_as_bytes()
         self._stream.disconnect()
+        if kind is None:
+            write_bytes(self._path, recorded)

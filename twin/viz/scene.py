@@ -1,4 +1,4 @@
-"""The machine: its bodies where truth says they were, its sensors, and what the eye rides on."""
+"""The machine: its bodies at their true poses, its sensors, and the frame that the view follows."""
 
 from __future__ import annotations
 

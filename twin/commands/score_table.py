@@ -1,0 +1,42 @@
+"""The scores of a run on the terminal: a table, and above it what was driven and how it ended."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from twin.commands.tables import Column, print_table
+from twin.commands.terminal import say
+from twin.scores.table import HEADERS, RANKS, end_lines, score_rows
+
+
+def print_scores(scores: Mapping[str, Any]) -> None:
+    """Print how the run ended if not as planned, what was driven, and the scores."""
+    for line in end_lines(scores):
+        say(line, style="bold red")
+    rows = score_rows(scores)
+    if not rows:
+        return
+    say(_title(scores), style="italic")
+    print_table(
+        [
+            Column(heading=heading, cells=cells, rank=RANKS[heading], text=i == 0)
+            for i, (heading, cells) in enumerate(zip(HEADERS, zip(*rows, strict=True), strict=True))
+        ]
+    )
+
+
+def _title(scores: Mapping[str, Any]) -> str:
+    truth, window = scores.get("truth") or {}, scores.get("window_s") or (0.0, 0.0)
+    said = [str(scores.get("scenario"))]
+    if scores.get("seed") is not None:
+        said.append(f"seed {scores['seed']}")
+    said.append(f"scored {window[0]:.1f} to {window[1]:.1f} s")
+    for key, form in (
+        ("mean_speed_kmh", "{:.2f} km/h"),
+        ("slip_mean", "slip {:.2%}"),
+        ("draft_mean_kn", "draft {:.1f} kN"),
+    ):
+        if truth.get(key) is not None:
+            said.append(form.format(truth[key]))
+    return ", ".join(said)

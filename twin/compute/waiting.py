@@ -1,0 +1,73 @@
+"""Say that functions are being compiled, when that takes long enough to be wondered about.
+
+Light to import: the command line sets who is told before anything is compiled.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+PATIENCE_S = 2.0
+"""Compiling that ends within this is not worth a word."""
+
+Told = Callable[[], None]
+
+
+@dataclass
+class _Watch:
+    """Counts the time in which any function is being compiled, and tells once."""
+
+    told: Told
+    started: dict[object, float] = field(default_factory=dict)
+    """Function being compiled -> when that began [s]; one may compile others that it calls."""
+    spent_s: float = 0.0
+    timer: threading.Timer | None = None
+
+    def begin(self, function: object) -> None:
+        if not self.started and self.spent_s < PATIENCE_S:
+            self.timer = threading.Timer(PATIENCE_S - self.spent_s, self.told)
+            self.timer.daemon = True
+            self.timer.start()
+        self.started.setdefault(function, time.perf_counter())
+
+    def end(self, function: object) -> None:
+        began_s = self.started.pop(function, None)
+        if began_s is None or self.started:
+            return
+        self.spent_s += time.perf_counter() - began_s
+        self.stop()
+
+    def stop(self) -> None:
+        if self.timer is not None:
+            self.timer.cancel()
+
+
+_watch: _Watch | None = None
+
+
+@contextmanager
+def told_of_compiling(told: Told) -> Iterator[None]:
+    """Whom to tell, once, when compiling inside the block takes longer than PATIENCE_S."""
+    global _watch
+    before, _watch = _watch, _Watch(told)
+    try:
+        yield
+    finally:
+        _watch.stop()
+        _watch = before
+
+
+def begins(function: object) -> None:
+    """A function was not found among what is kept: it is compiled now."""
+    if _watch is not None:
+        _watch.begin(function)
+
+
+def ends(function: object) -> None:
+    """A function has been compiled."""
+    if _watch is not None:
+        _watch.end(function)
