@@ -5,6 +5,7 @@ Source: Rauch, Tung and Striebel 1965, AIAA Journal 3, 1445.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,8 +13,11 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-SETTLE_STEPS = 4000
-"""No more steps than this until the covariance is steady."""
+STEPS = 4000
+"""After so many steps from `FIRST_VAR` a covariance counts as steady: a constant that the rows see
+only together with others goes on being learnt, as 1 over the steps."""
+FIRST_VAR = 0.01
+"""Variance of every state before the first step."""
 PAD_STEPS = 200
 """So many steps from a gap all is steady again."""
 
@@ -39,28 +43,60 @@ def steady(system: System) -> tuple[Array, Array]:
     if not len(system.rows):
         unknown = np.full(system.transition.shape, np.nan)
         return unknown, unknown
-    after = np.eye(len(system.transition)) * 0.01
-    before = after
-    for _ in range(SETTLE_STEPS):
-        last = after
-        before = predicted(system, after)
-        after = measured(system, before)
-        if _settled(after, last, 0.0):
-            break
-    back = _back(system, before, after)
-    smoothed = after
-    for _ in range(SETTLE_STEPS):
-        last = smoothed
-        smoothed = after + back @ (smoothed - before) @ back.T
-        if _settled(smoothed, last, 1e-14):
-            break
-    return after, smoothed
+    before = _predicted_late(system)
+    after = measured(system, before)
+    return after, _smoothed_early(_back(system, before, after), before, after)
 
 
-def _settled(now: Array, last: Array, floor: float) -> bool:
-    """Whether no variance changed by more than a millionth; numpy's own test takes ten times it."""
-    now, last = now.diagonal(), last.diagonal()
-    return bool((np.abs(now - last) <= floor + 1e-6 * np.abs(last)).all())
+def _predicted_late(system: System) -> Array:
+    """P- after `STEPS`, by the composition of steps: the map of n steps is (A, G, H) in
+
+        P-_n = H + A^T P- (I + G P-)^-1 A
+
+    and that of one step has A = F^T, G = H^T R^-1 H, H = Q.
+
+    Source: Anderson 1978, International Journal of Control 28, 295 (doubling).
+    """
+    information = system.rows.T @ (system.rows / system.variances[:, None])
+    first = predicted(system, FIRST_VAR * np.eye(len(system.transition)))
+    one = system.transition.T, information, system.process
+    a, g, h = _repeated(_joined, one, STEPS - 1)
+    late = h + a.T @ first @ np.linalg.solve(np.eye(len(first)) + g @ first, a)
+    return np.asarray(0.5 * (late + late.T))
+
+
+def _joined(late: tuple[Array, ...], early: tuple[Array, ...]) -> tuple[Array, ...]:
+    """The map of two stretches of steps, one after the other (Redheffer's star product)."""
+    (a, g, h), (a0, g0, h0) = late, early
+    inner = np.linalg.solve(np.eye(len(a)) + g @ h0, np.hstack([a, g]))
+    pass_, gain = inner[:, : len(a)], inner[:, len(a) :]
+    return a0 @ pass_, g0 + a0 @ gain @ a0.T, h + a.T @ h0 @ pass_
+
+
+def _smoothed_early(back: Array, before: Array, after: Array) -> Array:
+    """P_s after `STEPS` of P_s <- P + G (P_s - P-) G^T from P_s = P, by the same composition."""
+    one = back, after - back @ before @ back.T
+
+    def joined(late: tuple[Array, ...], early: tuple[Array, ...]) -> tuple[Array, ...]:
+        return late[0] @ early[0], late[1] + late[0] @ early[1] @ late[0].T
+
+    g, c = _repeated(joined, one, STEPS)
+    return np.asarray(g @ after @ g.T + c)
+
+
+def _repeated(
+    join: Callable[[tuple[Array, ...], tuple[Array, ...]], tuple[Array, ...]],
+    one: tuple[Array, ...],
+    count: int,
+) -> tuple[Array, ...]:
+    """A map repeated so often, by squaring."""
+    whole: tuple[Array, ...] | None = None
+    while count:
+        if count & 1:
+            whole = one if whole is None else join(whole, one)
+        one, count = join(one, one), count >> 1
+    assert whole is not None, "repeated at least once"
+    return whole
 
 
 def through(system: System, seen: NDArray[np.bool_], state: int) -> tuple[Array, Array]:

@@ -8,14 +8,13 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.figure import Figure
 
-from twin.pipeline.run import run
-from twin.scenario import Course, Plough, Scenario, Soil
+import twin
 
-FIELD = Scenario(
+FIELD = twin.Scenario(
     name="stiff-clay",
     about="30 m of firm ground that is heavier to turn in some places than in others",
-    soil=Soil(preset="firm", draft_cv=0.15),
-    course=Course(length_m=30.0),
+    soil=twin.Soil(preset="firm", draft_cv=0.15),
+    course=twin.Course(length_m=30.0),
 )
 
 
@@ -23,7 +22,8 @@ def main() -> None:
     figure = Figure(figsize=(6.0, 3.6), layout="constrained")
     axes = figure.subplots()
     for depth_m in (0.10, 0.15, 0.20, 0.25):
-        truth = run(replace(FIELD, plough=Plough(depth_m=depth_m)), estimators={}).truth
+        plough = twin.Plough(depth_m=depth_m)
+        truth = twin.run(replace(FIELD, plough=plough), estimators=[]).truth
         deep = truth["ploughing"]
         draft_kn, slip = 1e-3 * truth["draft_n"][deep], 100 * truth["slip"][deep]
         axes.plot(draft_kn, slip, ".", ms=3, label=f"{100 * depth_m:.0f} cm")

@@ -3,7 +3,8 @@
 Units: SI and radians. Frames: world is east, north, up; body is x forward, y left, z up with its
 origin at the rear-axle centre; angles are counter-clockwise from east. Times are int64 nanoseconds:
 `epoch_ns` is the instant a sample describes, `arrival_ns` when it reaches the estimator.
-A sensor, or a column of it, may be absent; a NaN is a value that was not measured.
+A sensor, or a column of it, may be absent; a NaN is a value that was not measured. The arrays of
+`Streams` are read-only, because every estimator is handed the same ones: work on a `.copy()`.
 """
 
 from __future__ import annotations
@@ -13,14 +14,17 @@ import json
 from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.errors import BadInput
 
-Table = dict[str, NDArray[Any]]
+Array = NDArray[Any]
+"""One column: numbers or text of any type."""
+
+Table = dict[str, Array]
 """One sensor's samples: column name -> array of shape (n,), in order of arrival."""
 
 Frames = Mapping[int, NDArray[np.uint8]]
@@ -30,6 +34,11 @@ WHEELS = ("fl", "fr", "rl", "rr")
 """Front left, front right, rear left, rear right."""
 
 STAMPS = ("epoch_ns", "arrival_ns")
+
+Value = bool | int | float | str | tuple[float, ...]
+"""A value of a data sheet."""
+
+Block = TypeVar("Block")
 
 COLUMNS: dict[str, tuple[str, ...]] = {
     "gnss": (
@@ -145,6 +154,19 @@ class CameraSetup:
 
 
 @dataclass(frozen=True, kw_only=True)
+class OwnSetup:
+    """What the maker of a sensor of one's own says of it, and of the columns of its stream."""
+
+    columns: Mapping[str, tuple[str, str]]
+    """Column -> its unit and its meaning."""
+    values: Mapping[str, Value] = field(default_factory=dict)
+    """Data sheet and tape measure."""
+
+    def __getitem__(self, name: str) -> Value:
+        return self.values[name]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Setup:
     """All an estimator is told beside the streams. Nominal values only, never a true one."""
 
@@ -162,6 +184,8 @@ class Setup:
     imu: ImuSetup | None = None
     depth: DepthSetup | None = None
     camera: CameraSetup | None = None
+    extra: Mapping[str, OwnSetup] = field(default_factory=dict)
+    """Sensors of one's own, by stream."""
 
     def to_json(self) -> str:
         """The set-up as JSON text."""
@@ -171,33 +195,65 @@ class Setup:
     def from_json(cls, text: str) -> Setup:
         """The set-up from JSON text. Raises BadInput if it is not one."""
         try:
-            raw = json.loads(text)
-            blocks = {
-                "wheels": WheelsSetup,
-                "gnss": GnssSetup,
-                "imu": ImuSetup,
-                "depth": DepthSetup,
-                "camera": CameraSetup,
-            }
-            for name, block in blocks.items():
+            raw = dict(json.loads(text))
+            for name, kind in BLOCKS.items():
                 if raw.get(name) is not None:
-                    raw[name] = block(**_tuples(raw[name]))
-            return cls(**_tuples(raw))
+                    raw[name] = _block(kind, raw[name])
+            own = dict(raw.get("extra") or {})
+            raw["extra"] = {stream: own_setup(block) for stream, block in own.items()}
+            return _block(cls, raw)
         except (TypeError, ValueError, AttributeError) as error:
             raise BadInput(f"setup.json is not a set-up: {error}") from None
 
 
-def _tuples(block: dict[str, Any]) -> dict[str, Any]:
+BLOCKS: dict[str, type] = {
+    "wheels": WheelsSetup,
+    "gnss": GnssSetup,
+    "imu": ImuSetup,
+    "depth": DepthSetup,
+    "camera": CameraSetup,
+}
+"""Kind of each sensor's block of a set-up."""
+
+
+def own_setup(raw: Mapping[str, Mapping[str, object]]) -> OwnSetup:
+    """The block of a sensor of one's own from plain values. Raises TypeError if it is not one."""
+    known = {name: dict(block) for name, block in raw.items()}
+    return _block(OwnSetup, {name: _tuples(block) for name, block in known.items()})
+
+
+def _block(kind: type[Block], raw: Mapping[str, object]) -> Block:
+    return kind(**_tuples(raw))
+
+
+def _tuples(block: Mapping[str, object]) -> dict[str, object]:
     return {k: tuple(v) if isinstance(v, list) else v for k, v in block.items()}
+
+
+def read_only(array: Array) -> Array:
+    """The same values, which cannot be written to through this view."""
+    array = np.asarray(array)  # what a user's scenario gives may be a list
+    if not array.flags.writeable:
+        return array
+    view = array.view()
+    view.flags.writeable = False
+    return view
 
 
 @dataclass(frozen=True)
 class Streams:
-    """The samples of all sensors of a run, or of a part of it."""
+    """The samples of all sensors of a run, or of a part of it; their arrays are read-only."""
 
     tables: Mapping[str, Table] = field(default_factory=dict)
     frames: Frames | None = None
     """The camera's frames by number, read or drawn when asked for; a lost one is missing."""
+
+    def __post_init__(self) -> None:
+        tables = {n: {c: read_only(v) for c, v in t.items()} for n, t in self.tables.items()}
+        object.__setattr__(self, "tables", tables)
+        kept = self.frames
+        if isinstance(kept, dict) and any(f.flags.writeable for f in kept.values()):
+            object.__setattr__(self, "frames", {n: read_only(f) for n, f in kept.items()})
 
     def __contains__(self, sensor: object) -> bool:
         return sensor in self.tables
@@ -209,7 +265,7 @@ class Streams:
         """Number of samples of all sensors."""
         return sum(len(t["epoch_ns"]) for t in self.tables.values())
 
-    def column(self, sensor: str, name: str) -> NDArray[Any]:
+    def column(self, sensor: str, name: str) -> Array:
         """A column, or NaN where the sensor has none. Shape (n,), (0,) without the sensor."""
         table = self.tables.get(sensor)
         if table is None:
@@ -220,10 +276,11 @@ class Streams:
         """Order in which an estimator sees the samples: by arrival, then by sensor, then by row.
 
         Returns:
-            sensor: index into COLUMNS of each sample, shape (n,).
+            sensor: index of each sample's sensor into COLUMNS, and from len(COLUMNS) on the
+                sensors of one's own in alphabetical order, shape (n,).
             row: its row in that sensor's table, shape (n,).
         """
-        present = [(i, s) for i, s in enumerate(COLUMNS) if s in self.tables]
+        present = self._numbered()
         counts = [len(self.tables[s]["arrival_ns"]) for _, s in present]
         if not present:
             return np.empty(0, np.int64), np.empty(0, np.int64)
@@ -237,11 +294,15 @@ class Streams:
         """The samples from number `start` up to `stop` in merge order."""
         sensor, row = self.merge_order()
         chosen: dict[str, Table] = {}
-        for i, name in enumerate(COLUMNS):
-            if name in self.tables:
-                rows = row[start:stop][sensor[start:stop] == i]
-                chosen[name] = {k: v[rows] for k, v in self.tables[name].items()}
+        for i, name in self._numbered():
+            rows = row[start:stop][sensor[start:stop] == i]
+            chosen[name] = {k: v[rows] for k, v in self.tables[name].items()}
         return Streams(chosen, self.frames)
+
+    def _numbered(self) -> list[tuple[int, str]]:
+        """The sensors that there are, numbered as `merge_order` does."""
+        own = sorted(set(self.tables) - set(COLUMNS))
+        return [(i, s) for i, s in enumerate((*COLUMNS, *own)) if s in self.tables]
 
     def chunks(self, size: int) -> Iterator[Streams]:
         """The samples in merge order, `size` at a time."""
@@ -271,16 +332,17 @@ def _chained(frames: list[Frames]) -> Frames | None:
     return ChainMap(*frames)  # type: ignore[arg-type]  # only read
 
 
-def check(streams: Streams) -> None:
+def check(streams: Streams, extra: Mapping[str, OwnSetup] | None = None) -> None:
     """Raise BadInput unless the tables obey the contract.
 
-    Known names, equal lengths, arrivals in order.
+    Known names (of `COLUMNS`, or of the set-up's `extra`), equal lengths, arrivals in order.
     """
+    known = COLUMNS | {stream: tuple(block.columns) for stream, block in (extra or {}).items()}
     for name, table in streams.tables.items():
-        if name not in COLUMNS:
-            raise BadInput(f"stream '{name}' is not one of {', '.join(COLUMNS)}")
+        if name not in known:
+            raise BadInput(f"stream '{name}' is not one of {', '.join(known)}")
         for column in table:
-            if column not in (*STAMPS, *COLUMNS[name]):
+            if column not in (*STAMPS, *known[name]):
                 raise BadInput(f"stream '{name}' has an unknown column '{column}'")
         for stamp in STAMPS:
             if stamp not in table:

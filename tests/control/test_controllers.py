@@ -1,6 +1,7 @@
 """The baselines' laws against their closed forms."""
 
 import math
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -13,7 +14,10 @@ from twin.control.controllers import (
     ScheduledPI,
     SlidingMode,
 )
+from twin.control.trials import drive
 from twin.env.fleet import depth_set_m
+from twin.env.vector import PloughVectorEnv
+from twin.errors import BadInput
 
 PERIOD_S = 0.02
 SAME = {"throttle": 0.3, "trim_m": -0.05}
@@ -80,3 +84,18 @@ def test_each_tractor_is_driven_by_its_own_slip_and_within_the_bounds(name):
             alone_state, alone = controller.act(alone_state, seen(slip), PERIOD_S)
         np.testing.assert_allclose(together[i], alone[0], atol=1e-14)
     assert np.all(np.diff(together[:, 1]) <= 1e-12)  # more slip, never deeper
+
+
+def test_what_a_controller_sees_it_cannot_change():
+    class Shifts:
+        def init(self, count):
+            return None
+
+        def act(self, state, seen, period_s):
+            seen["slip"][:] -= 0.1
+
+    with (
+        closing(PloughVectorEnv(num_envs=1)) as env,
+        pytest.raises(BadInput, match=r"controller 'Shifts' writes .*test_controllers.py, line"),
+    ):
+        drive(env, Shifts(), [3], 1.0)

@@ -103,7 +103,8 @@ def test_turning_makes_no_sideslip_at_the_axle_and_cg_times_yaw_rate_ahead(mount
 
 def test_heading_is_carried_by_the_gyro_when_the_receiver_loses_it():
     streams = circle(v_y=0.1)
-    streams["gnss"]["heading_rad"][40:] = np.nan
+    heading = streams["gnss"]["heading_rad"]
+    streams["gnss"]["heading_rad"] = np.where(np.arange(len(heading)) < 40, heading, np.nan)
     gnss = of(read(streams), GNSS)[2:]
     assert gnss["v_y_held_mps"] == pytest.approx(0.1, abs=1e-9)
 

@@ -87,3 +87,27 @@ def test_the_setup_survives_json_with_every_block(tmp_path):
     raw = {**ASSUMED[""], **{k: ASSUMED[k] for k in ("wheels", "gnss", "imu", "depth")}}
     setup = setup_from(json.loads(json.dumps(raw)), assume=False)
     assert Setup.from_json(setup.to_json()) == setup
+
+
+def test_the_camera_of_a_run_is_in_its_set_up(run):
+    folder, _ = run
+    camera = {
+        "rate_hz": 30.0, "width_px": 640, "height_px": 400, "focal_px": 500.0,
+        "lever_arm_m": [0.4, 0.0, 0.3], "height_m": 0.5,
+    }  # fmt: skip
+    bend_setup(folder, camera=camera)
+    assert read(folder).setup.camera.lever_arm_m == (0.4, 0.0, 0.3)
+
+
+def test_a_stream_of_a_sensor_of_ones_own_needs_its_block(run):
+    folder, _ = run
+    radar = {"epoch_ns": [1, 2], "arrival_ns": [1, 2], "speed_mps": [1.0, 1.5]}
+    pq.write_table(pa.table(radar), folder / "streams" / "radar.parquet")
+    with pytest.raises(BadInput, match="no stream is called 'radar'"):
+        read(folder)
+    bend_setup(folder, extra={"radar": {"columns": {"speed_mps": ["m/s", "speed"]}}})
+    np.testing.assert_array_equal(read(folder).streams["radar"]["speed_mps"], [1.0, 1.5])
+    for wrong in ("text", {"radar": 3}, {"radar": {"columns": 3}}, {"radar": {"colums": {}}}):
+        bend_setup(folder, extra=wrong)
+        with pytest.raises(BadInput, match=r"setup.json.extra"):
+            read(folder)

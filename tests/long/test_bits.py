@@ -1,8 +1,8 @@
 """500 control steps to the bit."""
 
 import pytest
-from env.test_bits import repeats_itself
 
+from tests.env.test_bits import repeats_itself
 from twin.env import IDS
 from twin.env.observations import MODES
 

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 import pytest
-from docs.test_blocks import RUN, name, runs
+
+from tests.docs.test_blocks import RUN, name, runs
 
 
 @pytest.mark.parametrize("page", RUN, ids=name)

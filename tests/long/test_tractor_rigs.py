@@ -1,8 +1,8 @@
 """The whole tractor on the rigs, on more soils and slopes than tests/rig has."""
 
 import pytest
-from rig.test_tractor_rigs import crabs_as_the_equilibrium_does, pulls_what_its_wheels_pull
 
+from tests.rig.test_tractor_rigs import crabs_as_the_equilibrium_does, pulls_what_its_wheels_pull
 from twin.rig.slope import expected, slope
 from twin.scenario import Soil
 

@@ -1,7 +1,6 @@
 """The rows of the committed page are those the code produces, in the same order."""
 
-from validate.test_page import PAGE, rows_of
-
+from tests.validate.test_page import PAGE, rows_of
 from twin.validate import page, suite
 
 

@@ -70,6 +70,12 @@ def test_the_guides_law_is_a_file_of_twenty_lines_and_runs(module):
     assert soil_forces(ground, wheel(), 21.7e3, 0.0, 0.0)[:2] == (0.0, 0.0)
 
 
+def test_a_law_that_writes_to_the_models_soil_is_refused(module):
+    text = TINY.format(gain=1.0).replace("    return", "    soil[1] = 0.0\n    return")
+    with pytest.raises(BadInput, match=r"'writes:pushes' cannot be.*writes to the soil.*copy\(\)"):
+        law_number(module("writes", text) + ":pushes")
+
+
 def test_a_users_law_runs_inside_the_step(module):
     """On the wheel stand, through MuJoCo's callback: Wismer & Luth's net traction again."""
     text = re.search(r"```python\n(.*?)```", GUIDE.read_text(), re.DOTALL)[1]

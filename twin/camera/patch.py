@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,20 @@ from twin.camera.pinhole import Array, Pinhole, View, exposed, ground_points, ro
 from twin.camera.planar import SUBFRAME_PX
 from twin.camera.soil_texture import TILE
 from twin.errors import OutOfRange
+
+if TYPE_CHECKING:
+    import mujoco
+
+
+class Context(Protocol):
+    """A graphics context of MuJoCo's."""
+
+    def make_current(self) -> None:
+        """Draw here from now on."""
+
+    def free(self) -> None:
+        """Let go of it."""
+
 
 _GL_FROM_CV = np.diag([1.0, -1.0, -1.0])
 _MODEL = """
@@ -140,10 +154,10 @@ class PatchRenderer:
             raise OutOfRange("picture", f"{out_m:.2f} m beyond", "the patch that is drawn")
 
 
-def _opened(model: Any, lens: Pinhole) -> tuple[Any, Any]:
+def _opened(model: mujoco.MjModel, lens: Pinhole) -> tuple[Context, mujoco.MjrContext]:
     """An EGL driver of the picture's size, whatever MUJOCO_GL says, and its canvas."""
 
-    def make() -> tuple[Any, Any]:
+    def make() -> tuple[Context, mujoco.MjrContext]:
         import mujoco
         from mujoco.egl import GLContext
 

@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +27,7 @@ Image = NDArray[np.uint8]
 class Tracker:
     """Odometry on board, and where it stands."""
 
-    state: Any
+    state: object
     processing_ns: int
     """From a frame's arrival to its velocity's."""
     folder: Path | None = None

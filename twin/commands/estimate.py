@@ -29,6 +29,8 @@ class Estimate:
     """The log."""
     map: Path | None = None
     """TOML that says which column is what, and in which unit."""
+    reader: str | None = None
+    """What reads it, csv, parquet, nmea or run-folder, or module:Name of your own."""
     out: Path | None = None
     """Folder to write; runs/<name of the log> by default."""
     estimators: str = DEFAULT_ESTIMATORS
@@ -51,11 +53,13 @@ def main(args: Sequence[str]) -> int:
         raise BadInput(f"--out {directory} is the log itself; choose another folder")
     run_folder.refuse_foreign(directory)
     estimators = load_estimators(options.estimators)
+    from twin import logs
     from twin.pipeline.log import estimate
 
+    reader = None if options.reader is None else logs.reader(options.reader)
     shown = not (options.quiet or options.json)
     with counting("estimating", "estimators", shown=shown) as told:
-        result = estimate(options.log, options.map, estimators=estimators, told=told)
+        result = estimate(options.log, options.map, estimators=estimators, reader=reader, told=told)
     result.save(directory, command=f"twin estimate {shlex.join(args)}")
     _say(result, directory, options)
     if options.view:

@@ -11,7 +11,7 @@ from typing import TypeVar
 import tyro
 
 from twin.commands.output import STDOUT, Output
-from twin.errors import BadInput
+from twin.errors import BadInput, TwinError
 
 T = TypeVar("T")
 
@@ -35,6 +35,37 @@ _KINDS = {"INT": "a whole number", "FLOAT": "a number", "STR": "text"}
 _CONFIG = (tyro.conf.AvoidSubcommands, tyro.conf.FlagCreatePairsOff)
 
 
+class _NotFound(TwinError):
+    """What cannot be found by its name; tyro would swallow a ValueError."""
+
+
+_REGISTRY = tyro.constructors.ConstructorRegistry()
+
+
+@_REGISTRY.primitive_rule
+def _found_by_name(
+    info: tyro.constructors.PrimitiveTypeInfo,
+) -> tyro.constructors.PrimitiveConstructorSpec[object] | None:
+    """A type whose instances are found by `module:Name` is given so."""
+    kind = info.type
+    if not (isinstance(kind, type) and hasattr(kind, "by_name")):
+        return None
+
+    def found(args: list[str]) -> object:
+        try:
+            return kind.by_name(args[0])
+        except TwinError as error:
+            raise _NotFound(str(error)) from None
+
+    return tyro.constructors.PrimitiveConstructorSpec(
+        nargs=1,
+        metavar="MODULE:NAME",
+        instance_from_str=found,
+        is_instance=lambda thing: isinstance(thing, kind),
+        str_from_instance=lambda thing: [str(getattr(thing, "name", thing))],
+    )
+
+
 def parse(kind: type[T], args: Sequence[str], *, prog: str) -> T:
     """An instance of a dataclass from the command line.
 
@@ -50,11 +81,15 @@ def parse(kind: type[T], args: Sequence[str], *, prog: str) -> T:
     boxes = io.StringIO()
     try:
         with contextlib.redirect_stderr(boxes):
-            return tyro.cli(kind, args=_with_stdout(kind, args), prog=prog, config=_CONFIG)
+            return tyro.cli(
+                kind, args=_with_stdout(kind, args), prog=prog, config=_CONFIG, registry=_REGISTRY
+            )
     except SystemExit as end:
         if not end.code:
             raise
         raise BadInput(one_line(boxes.getvalue())) from None
+    except _NotFound as error:
+        raise BadInput(str(error)) from None
 
 
 def named_fields(args: Sequence[str]) -> frozenset[str]:

@@ -21,7 +21,7 @@ from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeAlias, TypeVar
 
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, InTreeCacheLocator
@@ -30,6 +30,9 @@ from numba.core.sigutils import normalize_signature
 
 P = ParamSpec("P")
 R = TypeVar("R")
+Untyped: TypeAlias = Any
+"""What is numba's own, which has no types."""
+Function = Callable[..., Untyped]
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("twin", "scenarios", "estimators")
@@ -68,10 +71,10 @@ def inlined_law(function: Callable[P, R]) -> Callable[P, R]:
     return _njit(function, error_model="numpy", forceinline=True)
 
 
-def c_callback(signature: Any) -> Callable[[Callable[..., Any]], Any]:
+def c_callback(signature: Untyped) -> Callable[[Function], Untyped]:
     """Compile a function to a C function, with its `address`, at once."""
 
-    def build(function: Callable[..., Any]) -> Any:
+    def build(function: Function) -> Untyped:
         options = {"error_model": "numpy"}
         made = CFunc(function, normalize_signature(signature), locals={}, options=options)
         _keep(made, function)
@@ -171,7 +174,7 @@ def _is_edited(file: Path) -> bool:
 class _Locator(InTreeCacheLocator):  # type: ignore[misc]  # numba has no types
     """Tells numba the folder, which is the same for every copy of the same sources."""
 
-    def __init__(self, function: Any, file: str) -> None:
+    def __init__(self, function: Untyped, file: str) -> None:
         super().__init__(function, file)
         self._cache_path = str(folder(Path(file)))
 
@@ -189,7 +192,7 @@ class _Cache(FunctionCache):  # type: ignore[misc]
 
     _impl_class = _Results
 
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
+    def load_overload(self, sig: Untyped, target_context: Untyped) -> Untyped:
         """What was kept for these types of arguments.
 
         Two processes that compile the function for different types at the same moment may both
@@ -202,20 +205,20 @@ class _Cache(FunctionCache):  # type: ignore[misc]
         wanted, _ = normalize_signature(sig)
         return found if found is not None and tuple(found.signature.args) == wanted else None
 
-    def save_overload(self, sig: Any, data: Any) -> None:
+    def save_overload(self, sig: Untyped, data: Untyped) -> None:
         """Keep it if that can be done."""
         with suppress(Exception):
             super().save_overload(sig, data)
 
 
-def _njit(function: Callable[P, R], **options: Any) -> Callable[P, R]:
+def _njit(function: Callable[P, R], **options: Untyped) -> Callable[P, R]:
     made = numba.njit(nogil=True, **options)(function)
     _keep(made, function)
     dispatcher: Callable[P, R] = made
     return dispatcher
 
 
-def _keep(made: Any, function: Callable[..., Any]) -> None:
+def _keep(made: Untyped, function: Function) -> None:
     """Let numba look for machine code, and keep it, in the folder of the function's file."""
     file = Path(function.__code__.co_filename)
     if folder(file) is not None and not _is_edited(file):

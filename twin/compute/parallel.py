@@ -7,16 +7,18 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from multiprocessing import resource_tracker
-from typing import Any
+from typing import Any, TypeAlias
 
 import joblib
 
+Result: TypeAlias = Any
+"""What a call gives; and a call as joblib has it, which has no types."""
 Told = Callable[[int, int], None]
 """Told how many of how many are done."""
 
 
 def _nobody(done: int, total: int) -> None:
-    """Nobody wants to know."""
+    """No progress is shown."""
 
 
 _TOLD: ContextVar[Told] = ContextVar("told", default=_nobody)
@@ -32,7 +34,7 @@ def telling(told: Told) -> Iterator[None]:
         _TOLD.reset(token)
 
 
-def many(calls: Iterable[Any], jobs: int = 1) -> list[Any]:
+def many(calls: Iterable[Result], jobs: int = 1) -> list[Result]:
     """Results of calls, in their order.
 
     Args:
@@ -45,7 +47,7 @@ def many(calls: Iterable[Any], jobs: int = 1) -> list[Any]:
         if jobs != 1:
             _start(parallel)
         parallel.told = lambda done: told(done, len(calls))
-        found: list[Any] = parallel(calls)
+        found: list[Result] = parallel(calls)
     return found
 
 

@@ -13,6 +13,8 @@ from twin.control.torques import TORQUE_BASELINES
 from twin.env.many import ManyEnv
 from twin.env.ploughing import Ploughing
 from twin.env.vector import PloughVectorEnv, WheelSlipVectorEnv
+from twin.plugins.failing import failing
+from twin.streams import read_only
 
 Array = NDArray[np.float64]
 
@@ -66,8 +68,9 @@ def drive(
     names = [entry_.name for entry_ in env.entries]
     sums = {name: np.zeros(env.num_envs) for name in ("reward", *_judged(env, {}))}
     for step in range(steps):
-        seen = dict(zip(names, observation.T.astype(np.float64), strict=True))
-        state, action = controller.act(state, seen, period_s)
+        columns = read_only(observation.T.astype(np.float64))
+        with failing(f"controller '{type(controller).__name__}'", controller):
+            state, action = controller.act(state, dict(zip(names, columns, strict=True)), period_s)
         observation, reward, stalled, _, info = env.step(action.astype(np.float32))
         alive &= ~stalled
         sums["reward"] += np.where(alive, reward, 0.0)

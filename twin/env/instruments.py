@@ -58,7 +58,7 @@ class Instruments:
     def _see(self, chunk: Trajectory) -> None:
         self.state, streams = sensors.sample(self.config, self.state, chunk)
         for sensor, table in streams.tables.items():
-            columns = [c for c in COLUMNS[sensor] if c in table]
+            columns = [c for c in COLUMNS.get(sensor, ()) if c in table]
             self._hold(table, columns, f"{sensor}.")
         self._count(streams)
         if "gnss" in streams and len(streams["gnss"]["epoch_ns"]):

@@ -10,15 +10,22 @@ import math
 import types
 import typing
 from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 from twin.errors import BadInput
 
 T = TypeVar("T")
+Plain: TypeAlias = Any
+"""A value of a JSON file, or what it stands for; also of a foreign library without types."""
 
 
-def to_plain(value: Any) -> Any:
-    """A dataclass, mapping, sequence or scalar as dict, list and scalar."""
+def to_plain(value: Plain) -> Plain:
+    """A dataclass, mapping, sequence or scalar as dict, list and scalar.
+
+    A class may say its own way by methods `to_plain()` and `from_plain(value)`.
+    """
+    if hasattr(value, "to_plain"):
+        return to_plain(value.to_plain())
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {f.name: to_plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
     if isinstance(value, Mapping):
@@ -28,7 +35,7 @@ def to_plain(value: Any) -> Any:
     return None if isinstance(value, float) and math.isnan(value) else value
 
 
-def from_plain(kind: type[T], value: Any) -> T:
+def from_plain(kind: type[T], value: Plain) -> T:
     """The dataclass `kind` from what `to_plain` made of it.
 
     Raises:
@@ -48,13 +55,16 @@ def from_plain(kind: type[T], value: Any) -> T:
         raise BadInput(f"{kind.__name__} cannot be made: {error}") from None
 
 
-def _shaped(hint: Any, value: Any) -> Any:
+def _shaped(hint: object, value: Plain) -> Plain:
     if value is None:
         return math.nan if hint is float else None
     if typing.get_origin(hint) is typing.Annotated:
         return _shaped(typing.get_args(hint)[0], value)
     if typing.get_origin(hint) in (typing.Union, types.UnionType):
         return _shaped(_member(typing.get_args(hint), value), value)
+    own: Plain = getattr(hint, "from_plain", None)
+    if own is not None:
+        return own(value)
     if dataclasses.is_dataclass(hint) and isinstance(hint, type):
         return from_plain(hint, value)
     if typing.get_origin(hint) is tuple and isinstance(value, list):
@@ -67,12 +77,12 @@ def _shaped(hint: Any, value: Any) -> Any:
     return value
 
 
-def _unknown(member: Any, names: Mapping[str, Any]) -> int:
+def _unknown(member: type, names: Mapping[str, Plain]) -> int:
     """How many of the names are no fields of a dataclass."""
     return len(set(names) - {f.name for f in dataclasses.fields(member)})
 
 
-def _member(members: tuple[Any, ...], value: Any) -> Any:
+def _member(members: tuple[object, ...], value: Plain) -> Plain:
     """The member of a union that holds the value: by kind, and objects by their fields.
 
     Where none has all the fields of an object it is the one that lacks fewest, which says so.

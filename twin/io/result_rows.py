@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 from twin.errors import BadInput
 from twin.io.atomic import write_text
@@ -24,10 +23,10 @@ def row(
     high: float | None = None,
     published: float | None = None,
     reference: float | None = None,
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """One row; with a bound it says whether it passed (NaN does not)."""
     given = {"published": published, "reference": reference, "low": low, "high": high}
-    out: dict[str, Any] = {"case": case, "quantity": quantity, "ours": ours, "unit": unit}
+    out: dict[str, object] = {"case": case, "quantity": quantity, "ours": ours, "unit": unit}
     out |= {name: value for name, value in given.items() if value is not None}
     if low is not None or high is not None:
         above = low is None or ours >= low
@@ -35,7 +34,7 @@ def row(
     return out
 
 
-def to_json(rows: Iterable[Mapping[str, Any]]) -> str:
+def to_json(rows: Iterable[Mapping[str, object]]) -> str:
     """`{"rows": [...]}` as JSON text.
 
     Raises:
@@ -45,12 +44,12 @@ def to_json(rows: Iterable[Mapping[str, Any]]) -> str:
     return json.dumps({"rows": checked}, indent=1, allow_nan=False)
 
 
-def write(rows: Iterable[Mapping[str, Any]], path: Path) -> None:
+def write(rows: Iterable[Mapping[str, object]], path: Path) -> None:
     """Write rows to a JSON file. Raises BadInput as `to_json`, or when the file cannot be made."""
     write_text(path, to_json(rows) + "\n")
 
 
-def _checked(number: int, row: Mapping[str, Any]) -> dict[str, Any]:
+def _checked(number: int, row: Mapping[str, object]) -> dict[str, object]:
     missing = [key for key in REQUIRED if key not in row]
     if missing:
         raise BadInput(f"row {number} has no '{missing[0]}'; it needs {', '.join(REQUIRED)}")

@@ -14,14 +14,14 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from twin.errors import BadInput, TwinError
 from twin.io.atomic import renamed_when_complete
-from twin.io.plain import from_plain, to_plain
-from twin.streams import COLUMNS, Setup, Streams, Table, check
+from twin.io.plain import Plain, from_plain, to_plain
+from twin.streams import COLUMNS, Array, Setup, Streams, Table, check
 
 SCENARIO, SCORES, TRUTH, ESTIMATES = (
     "scenario.json", "scores.json", "truth.parquet", "estimates.parquet",
@@ -33,7 +33,7 @@ class RunLike(Protocol):
     """What can be written: a simulated run, or the estimates of a log (no scenario)."""
 
     @property
-    def scenario(self) -> Any:
+    def scenario(self) -> Plain:
         """The scenario dataclass, or None for a log."""
 
     @property
@@ -64,14 +64,14 @@ class Record:
     setup: Setup
     streams: Streams
     estimates: Mapping[str, Table]
-    scenario: Any = None
+    scenario: Plain = None
     """The scenario dataclass (or plain values when no type was given to `read`); None for a log."""
     truth: Table | None = None
     wall_s: float = 0.0
-    scores: Mapping[str, Any] | None = None
+    scores: Mapping[str, Plain] | None = None
 
 
-Picture = Callable[[RunLike, Mapping[str, Any], Path], None]
+Picture = Callable[[RunLike, Mapping[str, Plain], Path], None]
 """Writes one more file of the folder from the run and its scores."""
 
 
@@ -91,7 +91,7 @@ def refuse_foreign(directory: Path) -> None:
 
 def write(
     run: RunLike,
-    scores: Mapping[str, Any],
+    scores: Mapping[str, Plain],
     directory: Path,
     *,
     pictures: Mapping[str, Picture] | None = None,
@@ -122,7 +122,7 @@ class Evidence(Protocol):
     """What a failed simulation leaves behind, as `twin.simulation.guard.Evidence` does."""
 
     @property
-    def scenario(self) -> Any:
+    def scenario(self) -> Plain:
         """What was run."""
 
     def write(self, directory: Path) -> None:
@@ -143,7 +143,7 @@ def write_failed(evidence: Evidence) -> Path:
     return directory
 
 
-def _write_all(run: RunLike, scores: Mapping[str, Any], directory: Path) -> None:
+def _write_all(run: RunLike, scores: Mapping[str, Plain], directory: Path) -> None:
     (directory / STREAMS).mkdir()
     (directory / SCENARIO).write_text(_json(to_plain(run.scenario)))
     (directory / SCORES).write_text(_json(scores))
@@ -170,22 +170,23 @@ def read(directory: Path, scenario_type: type | None = None) -> Record:
         raise BadInput(f"{directory} is not a run folder: there is no such directory")
     raw = _read_json(directory / SCENARIO)
     scenario = from_plain(scenario_type, raw) if scenario_type and raw is not None else raw
+    setup = _read_setup(directory / STREAMS / SETUP)
     return Record(
         scenario=scenario,
-        setup=_read_setup(directory / STREAMS / SETUP),
-        streams=read_streams(directory / STREAMS),
+        setup=setup,
+        streams=read_streams(directory / STREAMS, setup),
         truth=read_parquet(directory / TRUTH) if (directory / TRUTH).exists() else None,
         estimates=unstack(read_parquet(directory / ESTIMATES)),
         scores=_read_json(directory / SCORES),
     )
 
 
-def read_streams(directory: Path) -> Streams:
-    """The Parquet tables of a streams folder. Raises BadInput."""
-    paths = {name: directory / f"{name}.parquet" for name in COLUMNS}
+def read_streams(directory: Path, setup: Setup) -> Streams:
+    """The Parquet tables of a streams folder, the set-up's `extra` among them. Raises BadInput."""
+    paths = {name: directory / f"{name}.parquet" for name in (*COLUMNS, *setup.extra)}
     streams = Streams({n: read_parquet(p) for n, p in paths.items() if p.exists()})
     try:
-        check(streams)
+        check(streams, setup.extra)
     except TwinError as error:
         raise BadInput(f"{directory}: {error}") from None
     return streams
@@ -217,7 +218,7 @@ def _estimate_order(column: str) -> tuple[bool, str]:
     return column != "epoch_ns", column
 
 
-def _all_nan(column: np.ndarray[Any, Any]) -> bool:
+def _all_nan(column: Array) -> bool:
     return column.dtype.kind == "f" and len(column) > 0 and bool(np.isnan(column).all())
 
 
@@ -244,8 +245,8 @@ def read_parquet(path: Path) -> Table:
     return {name: _column(table.column(name)) for name in table.column_names}
 
 
-def _column(column: Any) -> np.ndarray[Any, Any]:
-    values: np.ndarray[Any, Any] = column.to_numpy()
+def _column(column: Plain) -> Array:
+    values: Array = column.to_numpy()
     return values.astype(np.str_) if values.dtype == object else values
 
 
@@ -258,7 +259,7 @@ def _read_setup(path: Path) -> Setup:
         raise BadInput(f"{path}: {_first_line(error)}") from None
 
 
-def _read_json(path: Path) -> Any:
+def _read_json(path: Path) -> Plain:
     try:
         return json.loads(path.read_text())
     except FileNotFoundError:
@@ -267,11 +268,11 @@ def _read_json(path: Path) -> Any:
         raise BadInput(f"{path} is not JSON: {_first_line(error)}") from None
 
 
-def _json(value: Any) -> str:
+def _json(value: Plain) -> str:
     return json.dumps(value, indent=2, allow_nan=False, default=_number) + "\n"
 
 
-def _number(value: Any) -> Any:
+def _number(value: Plain) -> Plain:
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, os.PathLike):

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime, timedelta
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.errors import BadInput
 from twin.logs.units import UNITS
+from twin.streams import Array
 
-Cells = list[str] | NDArray[Any]
+Cells = list[str] | Array
 """One column: text cells (CSV), or an array of numbers or datetime64 (Parquet)."""
 
 TIMESTAMP = "timestamp"
@@ -66,8 +66,21 @@ def stamps_ns(name: str, cells: Cells, unit: str) -> NDArray[np.int64]:
         stamps = _scaled_integers(name, exact, round(UNITS["time"][unit] * 1e9))
     else:
         stamps = _scaled_floats(name, numbers(name, cells), UNITS["time"][unit])
-    _check_increasing(name, stamps)
+    check_times(name, stamps)
     return stamps
+
+
+def check_times(name: str, stamps: NDArray[np.int64]) -> None:
+    """Raise BadInput unless times rise strictly, within 146 years of zero."""
+    if len(stamps) and max(abs(int(stamps.min())), abs(int(stamps.max()))) > _MAX_NS:
+        raise _too_far(name, int(np.argmax(np.abs(stamps / 2)) + 1), f"{np.abs(stamps).max()} ns")
+    step = np.diff(stamps)
+    if np.all(step > 0):
+        return
+    row = int(np.argmax(step <= 0)) + 1
+    was_s, is_s = stamps[row - 1] * 1e-9, stamps[row] * 1e-9
+    what = "is repeated" if step[row - 1] == 0 else f"comes after {was_s:.9g} s: out of order"
+    raise BadInput(f"column {quoted(name)}, row {row + 1}: time {is_s:.9g} s {what}; sort the rows")
 
 
 def _number(name: str, row: int, cell: str) -> float:
@@ -138,13 +151,3 @@ def _iso_ns(name: str, row: int, cell: str) -> int:
         raise BadInput(
             f"column {quoted(name)}, row {row}: {quoted(cell)} is not an ISO 8601 time"
         ) from None
-
-
-def _check_increasing(name: str, stamps: NDArray[np.int64]) -> None:
-    step = np.diff(stamps)
-    if np.all(step > 0):
-        return
-    row = int(np.argmax(step <= 0)) + 1
-    was_s, is_s = stamps[row - 1] * 1e-9, stamps[row] * 1e-9
-    what = "is repeated" if step[row - 1] == 0 else f"comes after {was_s:.9g} s: out of order"
-    raise BadInput(f"column {quoted(name)}, row {row + 1}: time {is_s:.9g} s {what}; sort the rows")

@@ -21,7 +21,6 @@ import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any
 
 from twin.errors import BadInput, UnknownName
 from twin.logs.cells import TIMESTAMP
@@ -33,7 +32,8 @@ from twin.logs.units import UNITS
 RULES = ("zero_slip", "steady")
 SECTIONS = ("log", *QUANTITIES, "rows", *RULES, "setup")
 CONVENTIONS = ("compass", "east")
-_BEARINGS = ("course", "heading")
+BEARINGS = ("course", "heading")
+"""Angles that a log may count from north."""
 _LARGEST_BYTES = 1_000_000
 
 
@@ -56,7 +56,7 @@ class ColumnMap:
     labels: Mapping[str, str] = field(default_factory=dict)
     """Label name -> column."""
     rules: Mapping[str, Rule] = field(default_factory=dict)
-    setup: Mapping[str, Any] = field(default_factory=dict)
+    setup: Mapping[str, object] = field(default_factory=dict)
     """The [setup] table as it stands; every value in it has been checked."""
 
 
@@ -77,71 +77,74 @@ def read_column_map(path: Path) -> ColumnMap:
     return column_map_from(raw)
 
 
-def column_map_from(raw: Mapping[str, Any]) -> ColumnMap:
+def column_map_from(raw: Mapping[str, object]) -> ColumnMap:
     """The map from parsed TOML. Raises BadInput that names the key."""
     _known(raw, "section", SECTIONS)
-    for name in raw:
-        _table(raw[name], name)
-    setup = raw.get("setup", {})
+    tables = {name: _table(section, name) for name, section in raw.items()}
+    setup = tables.get("setup", {})
     setup_from(setup, assume=True)
-    labels = {k: _label(k, v) for k, v in raw.get("rows", {}).items()}
+    labels = {k: _label(k, v) for k, v in tables.get("rows", {}).items()}
     return ColumnMap(
-        time=_time(raw.get("log", {})),
-        columns={s: _sources(s, raw[s]) for s in QUANTITIES if s in raw},
+        time=_time(tables.get("log", {})),
+        columns={s: _sources(s, tables[s]) for s in QUANTITIES if s in tables},
         labels=labels,
-        rules={r: _rule(r, raw[r], labels) for r in RULES if r in raw},
+        rules={r: _rule(r, tables[r], labels) for r in RULES if r in tables},
         setup=setup,
     )
 
 
-def _time(section: Mapping[str, Any]) -> Source | None:
+def _time(section: Mapping[str, object]) -> Source | None:
     _known(section, "key of [log]", ("time",))
     if "time" not in section:
         return None
     return _source("log.time", section["time"], (*UNITS["time"], TIMESTAMP), bearing=False)
 
 
-def _sources(name: str, section: Mapping[str, Any]) -> dict[str, Source]:
+def _sources(name: str, section: Mapping[str, object]) -> dict[str, Source]:
     quantities = QUANTITIES[name]
     _known(section, f"key of [{name}]", quantities)
     return {
-        key: _source(f"{name}.{key}", raw, UNITS[quantities[key].dimension], key in _BEARINGS)
+        key: _source(f"{name}.{key}", raw, UNITS[quantities[key].dimension], key in BEARINGS)
         for key, raw in section.items()
     }
 
 
-def _source(where: str, raw: Any, units: Iterable[str], bearing: bool) -> Source:
-    _known(_table(raw, where), f"key of {where}", ("column", "unit", *["convention"] * bearing))
-    column, unit = _text(f"{where}.column", raw.get("column")), raw.get("unit")
+def _source(where: str, raw: object, units: Iterable[str], bearing: bool) -> Source:
+    given = _table(raw, where)
+    _known(given, f"key of {where}", ("column", "unit", *["convention"] * bearing))
+    column, unit = _text(f"{where}.column", given.get("column")), given.get("unit")
     if unit is None:
         raise BadInput(f"{where} has no unit; one of {', '.join(units)} will do")
-    if unit not in tuple(units):
+    if not isinstance(unit, str) or unit not in tuple(units):
         raise BadInput(f"{where}.unit: {UnknownName('unit', str(unit), units)}")
-    convention = raw.get("convention", "compass")
-    if convention not in CONVENTIONS:
+    convention = given.get("convention", "compass")
+    if not isinstance(convention, str) or convention not in CONVENTIONS:
         known = UnknownName("convention", str(convention), CONVENTIONS)
         raise BadInput(f"{where}.convention: {known}")
     return Source(column, unit, convention)
 
 
-def _label(name: str, raw: Any) -> str:
-    _known(_table(raw, f"rows.{name}"), f"key of rows.{name}", ("column",))
-    return _text(f"rows.{name}.column", raw.get("column"))
+def _label(name: str, raw: object) -> str:
+    given = _table(raw, f"rows.{name}")
+    _known(given, f"key of rows.{name}", ("column",))
+    return _text(f"rows.{name}.column", given.get("column"))
 
 
-def _rule(name: str, section: Mapping[str, Any], labels: Mapping[str, str]) -> Rule:
+def _rule(name: str, section: Mapping[str, object], labels: Mapping[str, str]) -> Rule:
     _known(section, f"key of [{name}]", (f.name for f in fields(Rule)))
     where = _table(section.get("where", {}), f"{name}.where")
+    chosen: dict[str, tuple[str, ...]] = {}
     for label, values in where.items():
         if label not in labels:
             raise BadInput(f"{name}.where: {UnknownName('column of [rows]', label, labels)}")
         if not isinstance(values, list) or any(not isinstance(v, str) for v in values):
             raise BadInput(f"{name}.where.{label} must be a list of labels in quotes")
+        chosen[label] = tuple(values)
     limits = {k: _limit(f"{name}.{k}", v) for k, v in section.items() if k != "where"}
-    return Rule(where={k: tuple(v) for k, v in where.items()}, **limits)
+    return Rule(where=chosen, **limits)
 
 
-def _limit(where: str, value: Any) -> float:
+def _limit(where: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise BadInput(f"{where} = {value!r} must be a number")
     if math.isnan(value) or value < 0:
@@ -149,19 +152,19 @@ def _limit(where: str, value: Any) -> float:
     return float(min(value, 1e9))
 
 
-def _table(raw: Any, where: str) -> Mapping[str, Any]:
+def _table(raw: object, where: str) -> Mapping[str, object]:
     if not isinstance(raw, Mapping):
         raise BadInput(f"{where} = {raw!r} must be a table of values")
     return raw
 
 
-def _text(where: str, value: Any) -> str:
+def _text(where: str, value: object) -> str:
     if not isinstance(value, str) or not value:
         raise BadInput(f"{where} must be the name of a column, in quotes")
     return value
 
 
-def _known(section: Mapping[str, Any], kind: str, known: Iterable[str]) -> None:
+def _known(section: Mapping[str, object], kind: str, known: Iterable[str]) -> None:
     known = tuple(known)
     for key in section:
         if key not in known:

@@ -8,6 +8,22 @@ from pathlib import Path
 
 from twin.errors import BadInput
 from twin.logs.cells import quoted
+from twin.logs.reader import Reader
+from twin.logs.signals import Signal
+
+
+class Csv(Reader):
+    """CSV, which any file is taken for that nothing else fits."""
+
+    name = "CSV"
+
+    def fits(self, path: Path, head: bytes) -> bool:
+        """Any file."""
+        return not path.is_dir()
+
+    def signals(self, path: Path) -> dict[str, Signal]:
+        """Its columns."""
+        return {name: Signal(cells) for name, cells in read_csv(path).items()}
 
 
 def read_csv(path: Path) -> dict[str, list[str]]:

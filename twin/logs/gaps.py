@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
+
+from twin.streams import Array
 
 GAP_STEPS = 2.5
 """A step of more median steps than this is a gap."""
@@ -26,7 +26,7 @@ def gap_notes(name: str, epoch_ns: NDArray[np.int64]) -> list[str]:
 
 
 def between(
-    at_s: NDArray[Any], time_s: NDArray[Any], values: NDArray[Any], longest_s: float = 0.0
+    at_s: Array, time_s: Array, values: Array, longest_s: float = 0.0
 ) -> NDArray[np.float64]:
     """Linear interpolation; NaN outside the samples and within a gap.
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
+
+from twin.streams import Array
 
 SEMI_MAJOR_M = 6378137.0
 """Equatorial radius, WGS 84 (NIMA TR8350.2)."""
@@ -14,9 +14,7 @@ FLATTENING = 1.0 / 298.257223563
 ECCENTRICITY_SQ = FLATTENING * (2.0 - FLATTENING)
 
 
-def ecef_m(
-    latitude_rad: NDArray[Any], longitude_rad: NDArray[Any], height_m: NDArray[Any]
-) -> NDArray[np.float64]:
+def ecef_m(latitude_rad: Array, longitude_rad: Array, height_m: Array) -> NDArray[np.float64]:
     """Earth-centred, earth-fixed position, shape (..., 3).
 
     N = a / sqrt(1 - e2 sin(lat)^2)
@@ -31,9 +29,9 @@ def ecef_m(
 
 
 def enu_m(
-    latitude_rad: NDArray[Any],
-    longitude_rad: NDArray[Any],
-    height_m: NDArray[Any],
+    latitude_rad: Array,
+    longitude_rad: Array,
+    height_m: Array,
     origin: tuple[float, float, float],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """East, north and up [m] of the tangent plane at `origin` (latitude, longitude [rad], height).

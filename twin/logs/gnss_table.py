@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from twin.errors import BadInput
 from twin.logs.geodesy import enu_m
-from twin.streams import Table
+from twin.streams import Array, Table
 
 Origin = tuple[float, float, float]
 FARTHEST_M = 100e3
@@ -52,9 +50,7 @@ def _add_position(table: Table, values: Table) -> tuple[Origin | None, list[str]
     return _project(table, lat, lon, values.get("height_m"), int(np.argmax(fixed))), notes
 
 
-def _drop_non_fixes(
-    lat: NDArray[Any], lon: NDArray[Any], quality: NDArray[Any] | None
-) -> list[str]:
+def _drop_non_fixes(lat: Array, lon: Array, quality: Array | None) -> list[str]:
     """Make NaN of what receivers write before a fix: zero and zero, or any place at quality 0."""
     no_fix = (lat == 0.0) & (lon == 0.0)
     if quality is not None:
@@ -63,9 +59,7 @@ def _drop_non_fixes(
     return [f"gnss: {int(no_fix.sum())} positions without a fix left out"] if no_fix.any() else []
 
 
-def _project(
-    table: Table, lat: NDArray[Any], lon: NDArray[Any], height: NDArray[Any] | None, first: int
-) -> Origin:
+def _project(table: Table, lat: Array, lon: Array, height: Array | None, first: int) -> Origin:
     measured = np.full(len(lat), np.nan) if height is None else height
     heights = measured[np.isfinite(measured)]
     ground_m = float(heights[0]) if len(heights) else 0.0
@@ -105,7 +99,7 @@ def _add_velocity(table: Table, values: Table) -> list[str]:
     return notes
 
 
-def _held(course: NDArray[Any], speed: NDArray[Any]) -> tuple[NDArray[Any], int]:
+def _held(course: Array, speed: Array) -> tuple[Array, int]:
     """The course, with the last one (east at first) where it is blank at standstill."""
     blank = np.isnan(course) & (np.abs(speed) < STANDING_MPS)
     last = np.maximum.accumulate(np.where(np.isnan(course), -1, np.arange(len(course))))
@@ -113,6 +107,6 @@ def _held(course: NDArray[Any], speed: NDArray[Any]) -> tuple[NDArray[Any], int]
     return np.where(blank, known, course), int(blank.sum())
 
 
-def _wrapped(angle_rad: NDArray[Any]) -> NDArray[Any]:
+def _wrapped(angle_rad: Array) -> Array:
     """The angle in (-pi, pi]."""
     return -((np.pi - angle_rad) % (2.0 * np.pi) - np.pi)

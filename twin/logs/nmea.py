@@ -13,7 +13,6 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 from twin.errors import BadInput
 from twin.logs.cells import quoted
 from twin.logs.units import UNITS
+from twin.streams import Array
 
 _SENTENCE = re.compile(r"\$([A-Z]{2})([A-Z]{3}),([^*$]*)\*([0-9A-Fa-f]{2})")
 _KNOT = UNITS["speed"]["kn"]
@@ -54,7 +54,7 @@ def checksum(body: str) -> int:
     return total
 
 
-def read_nmea(path: Path) -> tuple[NDArray[np.int64], dict[str, NDArray[Any]], list[str]]:
+def read_nmea(path: Path) -> tuple[NDArray[np.int64], dict[str, Array], list[str]]:
     """Epochs [ns] from midnight of the first day, SI columns of COLUMNS (NaN: not given), notes.
 
     Raises:

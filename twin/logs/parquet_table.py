@@ -3,12 +3,29 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from twin.errors import BadInput
+from twin.io.plain import Plain
 from twin.logs.cells import Cells, quoted
+from twin.logs.reader import Reader
+from twin.logs.signals import Signal
+
+
+class Parquet(Reader):
+    """A Parquet file."""
+
+    name = "Parquet"
+
+    def fits(self, path: Path, head: bytes) -> bool:
+        """By its first bytes, or its suffix."""
+        named = path.suffix.lower() in (".parquet", ".pq")
+        return not path.is_dir() and (named or head.startswith(b"PAR1"))
+
+    def signals(self, path: Path) -> dict[str, Signal]:
+        """Its columns."""
+        return {name: Signal(cells) for name, cells in read_parquet(path).items()}
 
 
 def read_parquet(path: Path) -> dict[str, Cells]:
@@ -32,7 +49,7 @@ def read_parquet(path: Path) -> dict[str, Cells]:
     return {n: _cells(pa, n, table.column(n)) for n in names}
 
 
-def _cells(pa: Any, name: str, column: Any) -> Cells:
+def _cells(pa: Plain, name: str, column: Plain) -> Cells:
     kind = column.type
     try:
         if pa.types.is_dictionary(kind):

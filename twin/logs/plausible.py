@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from twin.errors import BadInput
 from twin.logs.cells import quoted
 from twin.logs.quantities import Quantity
+from twin.streams import Array
 
 KMH = 3.6
 MEDIAN_SPEED_KMH = 50.0
@@ -20,9 +18,7 @@ RATIO = 2.0
 MOVING_MPS = 0.5
 
 
-def check_plausible(
-    quantity: Quantity, column: str, unit: str, factor: float, si: NDArray[Any]
-) -> None:
+def check_plausible(quantity: Quantity, column: str, unit: str, factor: float, si: Array) -> None:
     """Raise BadInput that names column, row and value in the file's own unit."""
     if quantity.dimension == "speed":
         _check_speed(column, unit, factor, si)
@@ -38,7 +34,7 @@ def check_plausible(
         )
 
 
-def check_same_machine(gnss_mps: NDArray[Any], wheel_mps: NDArray[Any]) -> None:
+def check_same_machine(gnss_mps: Array, wheel_mps: Array) -> None:
     """Raise BadInput if the two speeds differ by more than slip can make them."""
     moving = (gnss_mps > MOVING_MPS) & (wheel_mps > MOVING_MPS)
     if moving.sum() < 10:
@@ -50,7 +46,7 @@ def check_same_machine(gnss_mps: NDArray[Any], wheel_mps: NDArray[Any]) -> None:
         )
 
 
-def _check_speed(column: str, unit: str, factor: float, si: NDArray[Any]) -> None:
+def _check_speed(column: str, unit: str, factor: float, si: Array) -> None:
     kmh = np.abs(si) * KMH
     if not np.isfinite(kmh).any():
         return

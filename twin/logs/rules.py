@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.logs.gaps import between
-from twin.streams import Table
+from twin.streams import Array, Table
 
 KMH = 3.6
 """Kilometres per hour in one metre per second."""
@@ -42,7 +41,7 @@ class Rule:
 
 
 def choose(
-    rule: Rule, rows: Table | None, epoch_ns: NDArray[np.int64], wheel_speed_mps: NDArray[Any]
+    rule: Rule, rows: Table | None, epoch_ns: NDArray[np.int64], wheel_speed_mps: Array
 ) -> NDArray[np.bool_]:
     """The rows the rule chooses; one whose speed was not measured is not chosen. Shape (n,)."""
     speed_kmh = np.abs(wheel_speed_mps) * KMH
@@ -54,7 +53,7 @@ def choose(
     return chosen
 
 
-def _change_kmhps(epoch_ns: NDArray[np.int64], speed_kmh: NDArray[Any]) -> NDArray[Any]:
+def _change_kmhps(epoch_ns: NDArray[np.int64], speed_kmh: Array) -> Array:
     """Speed now less speed 1 s ago; NaN where no samples are around 1 s ago."""
     if not len(epoch_ns):
         return np.empty(0)

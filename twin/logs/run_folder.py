@@ -3,31 +3,46 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from twin.errors import BadInput, UnknownName
 from twin.logs.cells import LARGEST, quoted
+from twin.logs.column_map import ColumnMap
 from twin.logs.log import Log
 from twin.logs.parquet_table import read_parquet
+from twin.logs.reader import Reader
 from twin.logs.setup_block import setup_from
 from twin.streams import COLUMNS, Setup, Streams, Table
 
 
-def read_run_folder(path: Path) -> Log:
-    """The Log of a run folder, or of its `streams` folder. Raises BadInput if it is malformed."""
-    folder = path / "streams" if (path / "streams").is_dir() else path
-    setup_json = folder / "setup.json"
-    if not setup_json.is_file():
-        raise BadInput(
-            "a directory without streams/setup.json is not a run folder; name a log file"
-        )
-    files = sorted(folder.glob("*.parquet"))
-    if not files:
-        raise BadInput(f"{folder.name}/ has no .parquet file")
-    tables = {f.stem: _table(f) for f in files}
-    return Log(streams=Streams(tables), setup=_setup(setup_json))
+class RunFolder(Reader):
+    """A run folder, or its `streams` folder, which says all of itself."""
+
+    name = "run folder"
+
+    def fits(self, path: Path, head: bytes) -> bool:
+        """Any directory."""
+        return path.is_dir()
+
+    def read(self, path: Path, column_map: ColumnMap | None) -> Log:
+        """Its streams and set-up. Raises BadInput if it is malformed."""
+        if column_map is not None:
+            raise BadInput("a run folder names its own columns; leave the column map out")
+        folder = path / "streams" if (path / "streams").is_dir() else path
+        setup_json = folder / "setup.json"
+        if not setup_json.is_file():
+            raise BadInput(
+                "a directory without streams/setup.json is not a run folder; name a log file"
+            )
+        files = sorted(folder.glob("*.parquet"))
+        if not files:
+            raise BadInput(f"{folder.name}/ has no .parquet file")
+        setup = _setup(setup_json)
+        tables = {f.stem: _table(f, (*COLUMNS, *setup.extra)) for f in files}
+        return Log(streams=Streams(tables), setup=setup)
 
 
 def _setup(path: Path) -> Setup:
@@ -40,10 +55,9 @@ def _setup(path: Path) -> Setup:
     return setup_from(raw, where=path.name, assume=False)
 
 
-def _table(path: Path) -> Table:
-    sensor = path.stem
-    if sensor not in COLUMNS:
-        raise BadInput(f"{path.name}: {UnknownName('stream', sensor, COLUMNS)}")
+def _table(path: Path, streams: Sequence[str]) -> Table:
+    if path.stem not in streams:
+        raise BadInput(f"{path.name}: {UnknownName('stream', path.stem, streams)}")
     table: Table = {}
     for column, cells in read_parquet(path).items():
         if isinstance(cells, list) or cells.dtype.kind not in "iuf":

@@ -5,19 +5,14 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TypeVar
 
 from twin.errors import BadInput, UnknownName
-from twin.streams import WHEELS, DepthSetup, GnssSetup, ImuSetup, Setup, WheelsSetup
+from twin.streams import BLOCKS, WHEELS, OwnSetup, Setup, own_setup
 
-BLOCKS: dict[str, Any] = {
-    "wheels": WheelsSetup,
-    "gnss": GnssSetup,
-    "imu": ImuSetup,
-    "depth": DepthSetup,
-}
+Block = TypeVar("Block")
 
-ASSUMED: dict[str, dict[str, Any]] = {
+ASSUMED: dict[str, dict[str, object]] = {
     "": {
         "machine": "unnamed tractor",
         "wheelbase_m": 2.7,
@@ -49,34 +44,60 @@ industrial MEMS IMU); a log's notes name every one that was used."""
 _POSITIVE = ("wheelbase_m", "track_front_m", "track_rear_m", "rate_hz", "counts_per_turn")
 
 
-def setup_from(raw: Mapping[str, Any], *, where: str = "setup", assume: bool) -> Setup:
+def setup_from(raw: Mapping[str, object], *, where: str = "setup", assume: bool) -> Setup:
     """The set-up; with `assume`, values not given come from ASSUMED, else they are BadInput."""
-    values = _fields(Setup, raw, where, ASSUMED[""] if assume else {}, skip=tuple(BLOCKS))
+    top = ASSUMED[""] if assume else {}
+    values = _fields(Setup, raw, where, top, skip=(*BLOCKS, "extra"))
     for name, block in BLOCKS.items():
         if raw.get(name) is not None:
             section = f"{where}.{name}"
-            if not isinstance(raw[name], Mapping):
-                raise BadInput(f"[{section}] must be a table of values")
-            given = _fields(block, raw[name], section, ASSUMED[name] if assume else {})
-            values[name] = block(**given)
-    return Setup(**values)
+            given = _fields(block, table_of(section, raw[name]), section, _assumed(name, assume))
+            values[name] = _made(block, given)
+    if raw.get("extra") is not None:
+        own = table_of(f"{where}.extra", raw["extra"])
+        values["extra"] = {stream: _own(f"{where}.extra.{stream}", own[stream]) for stream in own}
+    return _made(Setup, values)
 
 
-def assumed_names(raw: Mapping[str, Any], sensors: tuple[str, ...]) -> tuple[str, ...]:
+def _assumed(block: str, assume: bool) -> Mapping[str, object]:
+    return ASSUMED.get(block, {}) if assume else {}
+
+
+def _made(kind: type[Block], values: Mapping[str, object]) -> Block:
+    return kind(**values)
+
+
+def _own(where: str, raw: object) -> OwnSetup:
+    """The block of a sensor of one's own, of which only its maker knows what it holds."""
+    try:
+        return own_setup({k: table_of(f"{where}.{k}", v) for k, v in table_of(where, raw).items()})
+    except TypeError as error:
+        raise BadInput(f"[{where}] is no set-up of a sensor: {error}") from None
+
+
+def table_of(where: str, raw: object) -> Mapping[str, object]:
+    """What stands under a key, if it is a table. Raises BadInput."""
+    if not isinstance(raw, Mapping):
+        raise BadInput(f"[{where}] must be a table of values")
+    return raw
+
+
+def assumed_names(raw: Mapping[str, object], sensors: tuple[str, ...]) -> tuple[str, ...]:
     """Names of the values of ASSUMED that stand in for what `raw` does not give."""
     names = [k for k in ASSUMED[""] if k not in raw]
     for sensor in sensors:
-        names += [f"{sensor}.{k}" for k in ASSUMED[sensor] if k not in raw.get(sensor, {})]
+        given = table_of(f"setup.{sensor}", raw.get(sensor, {}))
+        names += [f"{sensor}.{k}" for k in ASSUMED[sensor] if k not in given]
     return tuple(names)
 
 
 def _fields(
-    block: Any,
-    raw: Mapping[str, Any],
+    block: type,
+    raw: Mapping[str, object],
     where: str,
-    default: Mapping[str, Any],
+    default: Mapping[str, object],
     skip: tuple[str, ...] = (),
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """The values of a dataclass's fields, each of the kind its annotation asks for."""
     fields = {f.name: f for f in dataclasses.fields(block)}
     for key in raw:
@@ -93,7 +114,7 @@ def _fields(
     return values
 
 
-def _value(where: str, kind: str, value: Any) -> Any:
+def _value(where: str, kind: str, value: object) -> object:
     if value is None and "None" in kind:
         return None
     if kind == "bool":
@@ -118,13 +139,13 @@ def _value(where: str, kind: str, value: Any) -> Any:
     return number
 
 
-def _text(where: str, value: Any) -> str:
+def _text(where: str, value: object) -> str:
     if not isinstance(value, str) or not value.strip() or len(value) > 200:
         raise BadInput(f"{where} = {value!r} must be a short text")
     return value
 
 
-def _number(where: str, value: Any) -> float:
+def _number(where: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise BadInput(f"{where} = {value!r} must be a number")
     if not math.isfinite(value) or abs(value) > 1e9:
@@ -135,13 +156,13 @@ def _number(where: str, value: Any) -> float:
     return float(value)
 
 
-def _wheels(where: str, value: Any) -> tuple[str, ...]:
+def _wheels(where: str, value: object) -> tuple[str, ...]:
     if not isinstance(value, list) or not value or any(w not in WHEELS for w in value):
         raise BadInput(f"{where} = {value!r} must be a list of {', '.join(WHEELS)}")
     return tuple(value)
 
 
-def _radii(where: str, value: Any) -> dict[str, float]:
+def _radii(where: str, value: object) -> dict[str, float]:
     if not isinstance(value, Mapping) or any(w not in WHEELS for w in value):
         raise BadInput(f"{where} = {value!r} must give metres by wheel: {', '.join(WHEELS)}")
     return {w: _number(f"{where}.{w}", r) for w, r in value.items()}

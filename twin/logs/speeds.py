@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from twin.logs.gaps import between
-from twin.streams import Streams
+from twin.streams import Array, Streams
 
 
-def ground_speed_mps(streams: Streams) -> NDArray[Any]:
+def ground_speed_mps(streams: Streams) -> Array:
     """Horizontal GNSS speed at the epochs of `gnss`, sqrt(v_east^2 + v_north^2)."""
     east, north = (streams.column("gnss", f"v_{axis}_mps") for axis in ("east", "north"))
     return np.asarray(np.hypot(east, north))
 
 
-def driven_speed_mps(streams: Streams) -> NDArray[Any]:
+def driven_speed_mps(streams: Streams) -> Array:
     """Mean speed of the rear wheels at the epochs of `wheels`, without sign as a bus gives it."""
     rear = [streams.column("wheels", f"speed_{w}_mps") for w in ("rl", "rr")]
     return np.asarray(np.abs(np.mean(rear, axis=0)))
 
 
-def paired_speeds(streams: Streams) -> tuple[NDArray[Any], NDArray[Any]]:
+def paired_speeds(streams: Streams) -> tuple[Array, Array]:
     """Ground speed and mean driven-wheel speed [m/s] at the epochs of `wheels`.
 
     Both have shape (0,) without either sensor; NaN where one was not measured.

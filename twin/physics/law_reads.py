@@ -53,7 +53,7 @@ def fields_read(name: str) -> frozenset[str]:
     Raises:
         BadInput: there is no such law.
     """
-    law = attribute("soil law", name)
+    law: Callable[..., Forces] = attribute("soil law", name)
     law = getattr(law, "py_func", law)
     try:
         text = inspect.getsource(inspect.getmodule(law))  # type: ignore[arg-type]

@@ -10,6 +10,7 @@ from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.core.base import BaseContext
+from numba.core.imputils import impl_ret_borrowed
 from numba.core.typing.context import BaseContext as TypingContext
 from numba.core.typing.templates import Signature
 from numba.extending import intrinsic
@@ -71,3 +72,15 @@ def call(
 
     numbers = (types.float64,) * 3
     return result(types.int64, types.intp, types.intp, *numbers), codegen
+
+
+@intrinsic
+def frozen(typing_context: TypingContext, array: types.Array) -> Intrinsic:
+    """The same array, typed so that code that writes to it does not compile."""
+
+    def codegen(
+        context: BaseContext, builder: ir.IRBuilder, signature: Signature, args: Sequence[ir.Value]
+    ) -> ir.Value:
+        return impl_ret_borrowed(context, builder, signature.return_type, args[0])
+
+    return array.copy(readonly=True)(array), codegen

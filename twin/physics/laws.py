@@ -28,8 +28,9 @@ from twin.errors import BadInput
 from twin.physics.bekker import bekker
 from twin.physics.block import Soil, Wheel
 from twin.physics.brixius import brixius
-from twin.physics.law_table import MOST_LAWS, SIGNATURE, TABLE, call, table_pointer
+from twin.physics.law_table import MOST_LAWS, SIGNATURE, TABLE, call, frozen, table_pointer
 from twin.physics.shapes import Array, Forces
+from twin.plugins.failing import WRITES
 from twin.plugins.lookup import attribute
 from twin.scenario.soils import LAWS
 
@@ -100,13 +101,15 @@ def _compile(function: Callable[..., Forces], name: str) -> CFunc:
             soil: Array, wheel: Array, load: float, slip: float, side: float, out: Array
         ) -> None:
             out[0], out[1], out[2], out[3], out[4] = pure(
-                carray(soil, SOIL_SIZE), carray(wheel, WHEEL_SIZE), load, slip, side
+                frozen(carray(soil, SOIL_SIZE)), frozen(carray(wheel, WHEEL_SIZE)), load, slip, side
             )
 
         return numba.cfunc(SIGNATURE)(entry)
     except Exception as error:  # whatever numba says of a user's function
         said = [n for n in str(error).splitlines() if n and not n.startswith("Failed in nopython")]
         reason = said[0] if said else type(error).__name__
+        if WRITES.search(str(error)):
+            reason = "it writes to the soil or the wheel, which are the model's; x = soil.copy()"
         raise BadInput(f"soil law '{name}' cannot be compiled: {reason}") from None
 
 

@@ -7,10 +7,15 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from twin.errors import BadInput, TwinError
-from twin.plugins.lookup import line, where
-from twin.streams import Setup, Streams, Table
+from twin.errors import BadInput, TwinError, UnknownName
+from twin.plugins.failing import failing
+from twin.plugins.percent import percent_note
+from twin.streams import ESTIMATES, Setup, Streams, Table
+
+QUANTITIES = tuple(c for c in ESTIMATES if c not in ("epoch_ns", "flags"))
+"""What an estimate may tell; flags say how."""
 
 
 class Estimator(Protocol):
@@ -30,6 +35,8 @@ class Estimated:
     tables: dict[str, Table]
     failed: dict[str, str]
     """Estimator -> why it failed."""
+    notes: tuple[str, ...] = ()
+    """What a reader should know of them: the failures, and a slip that looks like percent."""
 
 
 def all_estimates(
@@ -47,14 +54,17 @@ def all_estimates(
     """
     tables: dict[str, Table] = {}
     failed: dict[str, str] = {}
+    notes: list[str | None] = []
     for done, (name, estimator) in enumerate(estimators.items()):
         told(done, len(estimators))
         try:
             tables[name] = estimates(name, estimator, setup, streams)
+            notes.append(percent_note(f"slip of '{name}'", tables[name], streams))
         except TwinError as error:
             tables[name] = _unknown(streams)
             failed[name] = str(error)
-    return Estimated(tables, failed)
+            notes.append(failed[name])
+    return Estimated(tables, failed, tuple(note for note in notes if note is not None))
 
 
 def _unknown(streams: Streams) -> Table:
@@ -64,34 +74,60 @@ def _unknown(streams: Streams) -> Table:
     return {"epoch_ns": epoch_ns, "slip": np.full(len(epoch_ns), np.nan)}
 
 
-def estimates(name: str, estimator: Any, setup: Setup, streams: Streams) -> Table:
+def estimates(name: str, estimator: Estimator, setup: Setup, streams: Streams) -> Table:
     """The table of an estimator over whole streams, `epoch_ns` as int64.
 
     Args:
         name: what messages call it.
         estimator: with `init(setup) -> state` and `run(state, chunk) -> (state, table)`.
-        setup, streams: what it is told, and what it sees.
+        setup, streams: what it is told, and what it sees; it cannot change them for others.
 
     Raises:
-        BadInput: it fails, gives no pair, or a column that is not as long as its epochs.
+        BadInput: it fails, gives no pair, or a table that is not one of estimates
+            (`twin.streams.ESTIMATES`): a column is unknown, missing, no numbers, or not as long as
+            its epochs.
     """
-    try:
-        given = estimator.run(estimator.init(setup), streams)
-    except TwinError:
-        raise
-    except Exception as error:  # whatever a user's estimator raises
-        text = f"estimator '{name}' fails: {line(error)}{where(error, estimator)}"
-        raise BadInput(text) from error
+    own = Streams(streams.tables, streams.frames)  # a column that it adds is not seen by others
+    with failing(f"estimator '{name}'", estimator):
+        given: object = estimator.run(estimator.init(setup), own)
     if not (isinstance(given, tuple) and len(given) == 2 and isinstance(given[1], Mapping)):
         kind = type(given).__name__
         raise BadInput(f"estimator '{name}': run gives {kind}, not (state, table of estimates)")
-    table = {column: np.asarray(values) for column, values in given[1].items()}
-    table["epoch_ns"] = table.get("epoch_ns", np.empty(0)).astype(np.int64)
+    try:
+        return _checked(given[1])
+    except TwinError as error:
+        raise BadInput(f"estimator '{name}': {error}") from None
+
+
+def _checked(given: Mapping[str, ArrayLike]) -> Table:
+    """A table as the contract wants it. Raises BadInput or UnknownName that names the column."""
+    for column in given:
+        if column not in ESTIMATES:
+            raise UnknownName("column of estimates", str(column), ESTIMATES)
+    if "epoch_ns" not in given:
+        raise BadInput("its estimates have no column epoch_ns")
+    if not any(quantity in given for quantity in QUANTITIES):
+        raise BadInput(f"its estimates have epoch_ns alone; add one of {', '.join(QUANTITIES)}")
+    table = {column: np.asarray(values) for column, values in given.items()}
+    table["epoch_ns"] = _stamps(table["epoch_ns"])
     count = table["epoch_ns"].shape
     for column, values in table.items():
         if values.shape != count:
             raise BadInput(
-                f"estimator '{name}': {column} has shape {values.shape}, epoch_ns {count}; "
+                f"{column} has shape {values.shape}, epoch_ns {count}; "
                 "every column needs one value for each epoch"
             )
+        if values.dtype.kind not in "biuf":
+            raise BadInput(f"{column} holds {values.dtype} values, not numbers")
     return table
+
+
+def _stamps(epoch_ns: NDArray[np.generic]) -> NDArray[np.int64]:
+    """Whole nanoseconds as int64; an empty list counts, seconds do not."""
+    if epoch_ns.dtype.kind not in "iuf":
+        raise BadInput(f"epoch_ns holds {epoch_ns.dtype} values, not nanoseconds")
+    whole = np.asarray(epoch_ns).astype(np.float64)
+    odd = ~np.isfinite(whole) | (whole != np.round(whole))
+    if odd.any():
+        raise BadInput(f"epoch_ns has {whole[odd][0]:g}; it counts whole nanoseconds, not seconds")
+    return epoch_ns.astype(np.int64)

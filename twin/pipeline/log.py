@@ -11,11 +11,12 @@ import numpy as np
 
 from twin import logs
 from twin.io import run_folder
-from twin.logs import Log
+from twin.logs import Log, Reader
 from twin.pipeline import log_check
 from twin.pipeline.estimating import Estimator, all_estimates
 from twin.pipeline.log_check import SteadySlip
 from twin.pipeline.result import Result
+from twin.plugins.percent import percent_note
 from twin.scores import scores
 from twin.streams import Table
 
@@ -28,6 +29,7 @@ def estimate(
     column_map: Path | None,
     *,
     estimators: Mapping[str, Estimator],
+    reader: Reader | None = None,
     told: Callable[[int, int], None] = lambda done, total: None,
 ) -> Result:
     """Read a log and run the estimators on it.
@@ -36,22 +38,25 @@ def estimate(
         path: the log.
         column_map: TOML that says which column is what; None where the format says it.
         estimators: by name.
+        reader: what reads the log; None finds out by what is in it.
         told: told how many estimators of how many are done.
 
     Raises:
         BadInput: the log or the map cannot be used; says which value, and what would do.
     """
     start = time.perf_counter()
-    log, steady = _prepared(logs.read(path, column_map))
+    log, steady = _prepared(logs.read(path, column_map, reader))
     done = all_estimates(estimators, log.setup, log.streams, told)
+    reference = _reference(log, path) or {}
+    odd = percent_note("slip of the reference", reference, log.streams)
     return Result(
         scenario=None,
         setup=log.setup,
         streams=log.streams,
-        truth=_reference(log, path) or {},
+        truth=reference,
         estimates=done.tables,
         wall_s=time.perf_counter() - start,
-        notes=(*log.notes, *done.failed.values()),
+        notes=(*log.notes, *done.notes, *([odd] if odd else [])),
         failed=done.failed,
         name=path.resolve().stem,
         found=findings(log, done.tables, steady),
@@ -76,7 +81,9 @@ def findings(log: Log, estimates: Mapping[str, Table], steady: SteadySlip | None
 
 def slip_summary(estimates: Table) -> dict[str, float | int | None]:
     """Median, 5 % and 95 % of the estimated slip while driving faster than 0.5 m/s."""
-    slip = np.asarray(estimates.get("slip", np.empty(0)), np.float64)
+    if "slip" not in estimates:
+        return _quantiles(np.empty(0))
+    slip = np.asarray(estimates["slip"], np.float64)
     speed = np.asarray(estimates.get("speed_mps", np.full(len(slip), np.inf)), np.float64)
     return _quantiles(slip[np.abs(speed) > MOVING_MPS])
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from twin.errors import BadInput
 
 if TYPE_CHECKING:
+    from twin.logs import Reader
     from twin.pipeline.estimating import Estimator
     from twin.pipeline.result import Measured, Result
     from twin.pipeline.run import Progress
@@ -79,13 +80,15 @@ def estimate(
     log: str | Path,
     column_map: str | Path | None = None,
     estimators: Iterable[str | Estimator] | Mapping[str, Estimator] = DEFAULT_ESTIMATORS,
+    reader: str | Reader | None = None,
 ) -> Result:
     """Run the estimators on a recorded drive.
 
     Args:
-        log: a run folder, CSV, Parquet or NMEA 0183.
+        log: a run folder, CSV, Parquet or NMEA 0183, or what `reader` reads.
         column_map: TOML that says which column is what, and in which unit.
         estimators: as `run` takes them.
+        reader: what reads the log, or its name, as `twin.logs.READERS` has it or `module:Name`.
 
     Raises:
         BadInput: the log or the map cannot be used; says which value, and what would do.
@@ -93,10 +96,12 @@ def estimate(
     Example:
         >>> twin.estimate("field.csv", "field.toml").estimates["ratio"]["slip"]  # doctest: +SKIP
     """
+    from twin import logs
     from twin.pipeline.log import estimate as estimated
 
     path = None if column_map is None else Path(column_map)
-    return estimated(Path(log), path, estimators=by_name(estimators))
+    by = logs.reader(reader) if isinstance(reader, str) else reader
+    return estimated(Path(log), path, estimators=by_name(estimators), reader=by)
 
 
 def by_name(

@@ -15,13 +15,13 @@ from twin import sensors
 from twin.camera import tracking
 from twin.camera.frames import DrawnFrames
 from twin.camera.tracking import Tracker
-from twin.errors import BadInput, TwinError
 from twin.machine.build import Machine
 from twin.machine.geometry import geometry
 from twin.pipeline.estimating import Estimator, all_estimates
 from twin.pipeline.result import Measured, Result
 from twin.pipeline.unread import refuse_unread
-from twin.plugins.lookup import line, where
+from twin.plugins.failing import failing
+from twin.plugins.percent import percent_note
 from twin.scenario import Scenario
 from twin.scenario.route import length_m
 from twin.sensors import Sensors
@@ -74,6 +74,8 @@ def run(
         said += tuple(f"calibration: {leg}" for leg in before if not leg.as_planned)
     else:
         setup, streams, true = _measured(scenario)
+        odd = percent_note("slip of the truth", true, streams)
+        said = () if odd is None else (odd,)
     done = all_estimates(estimators, setup, streams)
     start_ns = int(true["epoch_ns"][0])
     return Result(
@@ -85,20 +87,15 @@ def run(
         wall_s=time.perf_counter() - start,
         end=end,
         frames=kept,
-        notes=(*said, *done.failed.values()),
+        notes=(*said, *done.notes),
         failed=done.failed,
     )
 
 
 def _measured(scenario: Measured) -> tuple[Setup, Streams, Table]:
     """The signals of a scenario without a machine. Raises BadInput where they cannot be had."""
-    try:
+    with failing(f"scenario '{scenario.name}': measure", scenario):
         setup, streams, true = scenario.measure()
-    except TwinError:
-        raise
-    except Exception as error:  # whatever a user's scenario raises
-        text = f"scenario '{scenario.name}': measure fails: {line(error)}{where(error, scenario)}"
-        raise BadInput(text) from error
     return setup, streams, true
 
 

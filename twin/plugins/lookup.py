@@ -7,12 +7,15 @@ import os
 import sys
 import traceback
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from twin.errors import BadInput, UnknownName
 
+Thing: TypeAlias = Any
+"""Whatever a user's module has."""
 
-def attribute(kind: str, spec: str) -> Any:
+
+def attribute(kind: str, spec: str) -> Thing:
     """The thing `module:Name` stands for; `module:` alone means the module itself.
 
     The working directory is added to the end of the import path, so nothing in it shadows an
@@ -36,7 +39,7 @@ def attribute(kind: str, spec: str) -> Any:
     return found
 
 
-def _module(kind: str, spec: str, module: str) -> Any:
+def _module(kind: str, spec: str, module: str) -> Thing:
     if os.getcwd() not in sys.path:
         sys.path.append(os.getcwd())
     importlib.invalidate_caches()
@@ -50,7 +53,7 @@ def _module(kind: str, spec: str, module: str) -> Any:
         raise BadInput(f"{kind} '{spec}': {module} cannot be imported: {line(error)}") from None
 
 
-def where(error: BaseException, thing: Any) -> str:
+def where(error: BaseException, thing: object) -> str:
     """` (mine.py, line 12)`: the deepest line in a thing's own file, or the deepest of all."""
     frames = traceback.extract_tb(error.__traceback__)
     module = sys.modules.get(type(thing).__module__)

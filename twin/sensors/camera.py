@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import atan2, radians
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from numpy.random import Generator
 
 from twin.camera.pinhole import CAMERA_DOWN, Array, Pinhole, View, focal_px, matrix, rotation
 from twin.errors import OutOfRange, UnknownName, check_range
-from twin.sensors.checks import check_fields
+from twin.sensors.checks import Range, check_fields
 from twin.sensors.noise import generator
 from twin.sensors.sampling import Reader, arrivals, read, reader
 from twin.streams import CameraSetup, Streams, Table
@@ -41,70 +41,48 @@ ODOMETRY = ("phase-ecc", "orb-similarity", "orb-printed", "none")
 class Camera:
     """A camera that looks down: data sheet and tape measure, then the true errors."""
 
-    rate_hz: float = 30.0
+    rate_hz: Annotated[float, Range(1, 500)] = 30.0
     """Frames per second, Hz."""
-    width_px: int = 1280
+    width_px: Annotated[int, Range(32, 4096)] = 1280
     """Across the direction of travel, px."""
-    height_px: int = 800
+    height_px: Annotated[int, Range(32, 4096)] = 800
     """Along it, px."""
-    binning: int = 1
+    binning: Annotated[int, Range(1, 16)] = 1
     """The sensor's pixels are averaged so many by so many, and frames are that much smaller."""
-    field_of_view_deg: float = 53.0
+    field_of_view_deg: Annotated[float, Range(5, 90)] = 53.0
     """Horizontal field of view, deg; 28 to 53 through the lens's zoom."""
     position_m: tuple[float, float, float] = (0.4, 0.0, 0.3)
     """Optical centre, body axes, from the rear-axle centre, m."""
-    height_m: float = 0.5
+    height_m: Annotated[float, Range(0.05, 5)] = 0.5
     """Optical centre above level ground, m."""
-    exposure_s: float = 0.002
+    exposure_s: Annotated[float, Range(0, 0.1)] = 0.002
     """Time the shutter is open, s; 1 m/s then blurs a frame by 5 px."""
-    gain: float = 1.0
+    gain: Annotated[float, Range(0, 100)] = 1.0
     """Amplification."""
-    full_well_e: float = 10_000.0
+    full_well_e: Annotated[float, Range(100, 1e6)] = 10_000.0
     """Electrons of a pixel at full scale; small industrial sensors hold 5000 to 15000."""
-    read_noise_e: float = 8.0
+    read_noise_e: Annotated[float, Range(0, 1000)] = 8.0
     """Noise of reading a pixel, electrons; CMOS 2 to 15."""
-    vignetting: float = 1.0
+    vignetting: Annotated[float, Range(0, 1)] = 1.0
     """Share of the cos^4 fall-off towards the corners."""
-    latency_s: float = 0.025
+    latency_s: Annotated[float, Range(0, 1)] = 0.025
     """From the middle of the exposure to arrival, s; read-out and transfer of a USB camera."""
-    latency_jitter_s: float = 0.002
+    latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.002
     """Scale of the latency's scatter, s."""
-    loss_chance: float = 0.0
+    loss_chance: Annotated[float, Range(0, 1)] = 0.0
     """Share of the frames that are lost on the way; their number is then missing."""
-    mount_yaw_sd_rad: float = radians(1.0)
+    mount_yaw_sd_rad: Annotated[float, Range(0, 0.2)] = radians(1.0)
     """sd of the true mounting's yaw, drawn once, rad."""
-    mount_tilt_sd_rad: float = radians(0.3)
+    mount_tilt_sd_rad: Annotated[float, Range(0, 0.1)] = radians(0.3)
     """sd of its roll and of its pitch, drawn once, rad."""
     odometry: str = "phase-ecc"
     """What turns frames into velocities on board: phase-ecc, orb-similarity, orb-printed; with none
     the estimators are given the frames themselves."""
-    processing_s: float = 0.015
+    processing_s: Annotated[float, Range(0, 1)] = 0.015
     """From a frame's arrival to its velocity's, s."""
 
     def __post_init__(self) -> None:
-        check_fields(
-            "camera",
-            self,
-            {
-                "rate_hz": (1, 500),
-                "width_px": (32, 4096),
-                "height_px": (32, 4096),
-                "binning": (1, 16),
-                "field_of_view_deg": (5, 90),
-                "height_m": (0.05, 5),
-                "exposure_s": (0, 0.1),
-                "gain": (0, 100),
-                "full_well_e": (100, 1e6),
-                "read_noise_e": (0, 1000),
-                "vignetting": (0, 1),
-                "latency_s": (0, 1),
-                "latency_jitter_s": (0, 0.1),
-                "loss_chance": (0, 1),
-                "mount_yaw_sd_rad": (0, 0.2),
-                "mount_tilt_sd_rad": (0, 0.1),
-                "processing_s": (0, 1),
-            },
-        )
+        check_fields("camera", self)
         if self.odometry not in ODOMETRY:
             raise UnknownName("odometry", self.odometry, ODOMETRY)
         shortest_px = min(self.width_px, self.height_px) // self.binning

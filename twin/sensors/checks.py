@@ -1,16 +1,37 @@
-"""Range checks of a sensor's configuration."""
+"""The range in which a field means something, which stands on the field itself:
+
+`speed_sd_mps: Annotated[float, Range(0, 1)] = 0.05`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+import typing
+from dataclasses import dataclass
+from functools import cache
 
 from twin.errors import check_range
 
 
-def check_fields(prefix: str, config: Any, ranges: Mapping[str, tuple[float, float]]) -> None:
-    """Raise OutOfRange unless every named field (each element of a tuple) lies in its range."""
-    for name, (low, high) in ranges.items():
+@dataclass(frozen=True)
+class Range:
+    """Least and greatest value of a field, or of each element of a tuple."""
+
+    low: float
+    high: float
+
+
+def check_fields(prefix: str, config: object) -> None:
+    """Raise OutOfRange unless every field with a Range (each element of a tuple) lies in it."""
+    kind: type = type(config)
+    for name, allowed in _ranges(kind).items():
         value = getattr(config, name)
         for element in value if isinstance(value, tuple) else (value,):
-            check_range(f"{prefix}.{name}", element, low, high)
+            check_range(f"{prefix}.{name}", element, allowed.low, allowed.high)
+
+
+@cache
+def _ranges(kind: type) -> dict[str, Range]:
+    """Range of each field of a class that has one."""
+    hints = typing.get_type_hints(kind, include_extras=True)
+    found = {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
+    return {name: r for name, marks in found.items() for r in marks if isinstance(r, Range)}

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import radians
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from numpy.random import Generator
 
-from twin.sensors.checks import check_fields
+from twin.sensors.checks import Range, check_fields
 from twin.sensors.noise import GaussMarkov, advance, gauss_markov, generator
 from twin.sensors.sampling import Reader, arrivals, read, reader
 from twin.streams import Table
@@ -22,42 +22,28 @@ if TYPE_CHECKING:
 class Depth:
     """Laser and inclinometer; the data sheet's values, then the true errors."""
 
-    rate_hz: float = 50.0
+    rate_hz: Annotated[float, Range(1, 500)] = 50.0
     """Output rate, Hz."""
-    laser_sd_m: float = 0.003
+    laser_sd_m: Annotated[float, Range(0, 0.1)] = 0.003
     """White noise of the range, m; 1 to 3 mm for industrial triangulation and time of flight."""
-    clod_sd_m: float = 0.004
+    clod_sd_m: Annotated[float, Range(0, 0.1)] = 0.004
     """sd of the surface the spot falls on about the mean ground, m; makes 5-10 mm of depth error
     together with the inclinometer."""
-    clod_length_m: float = 0.1
+    clod_length_m: Annotated[float, Range(1e-3, 10)] = 0.1
     """Correlation length of that surface along the path, m; assumed, the size of a clod."""
-    inclinometer_sd_rad: float = radians(0.2)
+    inclinometer_sd_rad: Annotated[float, Range(0, 0.1)] = radians(0.2)
     """White noise of the inclination, rad; 0.1-0.3 deg."""
-    latency_s: float = 0.005
+    latency_s: Annotated[float, Range(0, 1)] = 0.005
     """From measuring to arrival, s."""
-    latency_jitter_s: float = 0.0005
+    latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.0005
     """Scale of the latency's scatter, s."""
-    laser_bias_m: float = 0.0
+    laser_bias_m: Annotated[float, Range(-0.5, 0.5)] = 0.0
     """True error of the range, m."""
-    inclination_bias_rad: float = 0.0
+    inclination_bias_rad: Annotated[float, Range(-0.2, 0.2)] = 0.0
     """True error of the inclinometer's mounting, rad."""
 
     def __post_init__(self) -> None:
-        check_fields(
-            "depth",
-            self,
-            {
-                "rate_hz": (1, 500),
-                "laser_sd_m": (0, 0.1),
-                "clod_sd_m": (0, 0.1),
-                "clod_length_m": (1e-3, 10),
-                "inclinometer_sd_rad": (0, 0.1),
-                "latency_s": (0, 1),
-                "latency_jitter_s": (0, 0.1),
-                "laser_bias_m": (-0.5, 0.5),
-                "inclination_bias_rad": (-0.2, 0.2),
-            },
-        )
+        check_fields("depth", self)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.errors import UnknownName, check_range
 from twin.sensors import camera
+from twin.sensors.own import State
 from twin.streams import Table
 
 REAR = ("ticks_rl", "ticks_rr")
@@ -39,7 +39,7 @@ class Fault:
 
 
 Mask = NDArray[np.bool_]
-Held = dict[str, Any]
+Held = dict[str, State]
 """What a fault remembers from chunk to chunk."""
 Change = Callable[[Table, Mask, Held], Table]
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import hypot, pi, radians
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from twin.sensors.checks import check_fields
+from twin.sensors.checks import Range, check_fields
 from twin.sensors.fix import QUALITY, Mode, Outage, Timeline, active, check_outages, timeline
 from twin.sensors.noise import Array, GaussMarkov, advance, gauss_markov, generator
 from twin.sensors.sampling import Reader, arrivals, read, reader
@@ -27,80 +27,54 @@ class Gnss:
     Standard deviations are per horizontal axis; the vertical is `vertical_factor` times worse.
     """
 
-    rate_hz: float = 20.0
+    rate_hz: Annotated[float, Range(0.1, 100)] = 20.0
     """Output rate, Hz."""
-    latency_s: float = 0.05
+    latency_s: Annotated[float, Range(0, 5)] = 0.05
     """From the epoch to arrival, s; 20 ms in a low-latency mode, up to 0.5 s synchronous."""
-    latency_jitter_s: float = 0.002
+    latency_jitter_s: Annotated[float, Range(0, 1)] = 0.002
     """Scale of the latency's scatter, s."""
-    white_sd_m: float = 0.004
+    white_sd_m: Annotated[float, Range(0, 10)] = 0.004
     """White part of a fixed position, m; 3-5 mm."""
-    coloured_sd_m: float = 0.0065
+    coloured_sd_m: Annotated[float, Range(0, 10)] = 0.0065
     """Coloured part of a fixed position, m; 5-8 mm. With the white part 8 mm, the rms of a
     UM980-class receiver near its base."""
-    coloured_tau_s: float = 60.0
+    coloured_tau_s: Annotated[float, Range(0.01, 1e5)] = 60.0
     """Correlation time of the coloured part, s."""
-    vertical_factor: float = 2.0
+    vertical_factor: Annotated[float, Range(0, 10)] = 2.0
     """Vertical error over horizontal error."""
-    velocity_sd_mps: float = 0.03
+    velocity_sd_mps: Annotated[float, Range(0, 10)] = 0.03
     """White noise of the Doppler velocity, m/s; 0.02-0.04."""
-    heading_sd_rad_m: float = radians(0.2)
+    heading_sd_rad_m: Annotated[float, Range(0, 1)] = radians(0.2)
     """Noise of the heading times the length of the baseline, rad m; 0.1-0.2 deg at 1 m."""
-    extrapolation_sd_mps: float = 0.01
+    extrapolation_sd_mps: Annotated[float, Range(0, 1)] = 0.01
     """Growth of the error without corrections, m/s: 1 cm per second of age."""
-    float_sd_m: float = 0.35
+    float_sd_m: Annotated[float, Range(0, 10)] = 0.35
     """Error of a float solution, m; 0.2-0.5."""
-    float_tau_s: float = 60.0
+    float_tau_s: Annotated[float, Range(0.01, 1e5)] = 60.0
     """Its correlation time, s; 30-100."""
-    single_sd_m: float = 1.5
+    single_sd_m: Annotated[float, Range(0, 100)] = 1.5
     """Error of a single-point solution, m; 0.4-2.5."""
-    single_tau_s: float = 60.0
+    single_tau_s: Annotated[float, Range(0.01, 1e5)] = 60.0
     """Its correlation time, s."""
-    masked_velocity_factor: float = 3.0
+    masked_velocity_factor: Annotated[float, Range(1, 100)] = 3.0
     """Velocity noise with few satellites over that with all (assumed)."""
-    satellites_main: float = 28.0
+    satellites_main: Annotated[float, Range(0, 100)] = 28.0
     """Mean number of satellites used by the main antenna."""
-    satellites_aux: float = 26.0
+    satellites_aux: Annotated[float, Range(0, 100)] = 26.0
     """Mean number used by the auxiliary antenna."""
-    satellites_masked: float = 6.0
+    satellites_masked: Annotated[float, Range(0, 100)] = 6.0
     """Mean number used by a masked antenna."""
-    heading_bias_rad: float = 0.0
+    heading_bias_rad: Annotated[float, Range(-0.5, 0.5)] = 0.0
     """True error of the baseline's mounting angle, rad."""
-    heading_bias_sd_rad: float = radians(0.1)
+    heading_bias_sd_rad: Annotated[float, Range(0, 0.5)] = radians(0.1)
     """sd of a further such error, drawn once from the seed, rad."""
-    lever_arm_error_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    lever_arm_error_m: Annotated[tuple[float, float, float], Range(-5, 5)] = (0.0, 0.0, 0.0)
     """True position of the antennas less the one in the set-up, body axes, m."""
     outages: tuple[Outage, ...] = ()
     """Scheduled faults, one after the other."""
 
     def __post_init__(self) -> None:
-        check_fields(
-            "gnss",
-            self,
-            {
-                "rate_hz": (0.1, 100),
-                "latency_s": (0, 5),
-                "latency_jitter_s": (0, 1),
-                "white_sd_m": (0, 10),
-                "coloured_sd_m": (0, 10),
-                "coloured_tau_s": (0.01, 1e5),
-                "vertical_factor": (0, 10),
-                "velocity_sd_mps": (0, 10),
-                "heading_sd_rad_m": (0, 1),
-                "extrapolation_sd_mps": (0, 1),
-                "float_sd_m": (0, 10),
-                "float_tau_s": (0.01, 1e5),
-                "single_sd_m": (0, 100),
-                "single_tau_s": (0.01, 1e5),
-                "masked_velocity_factor": (1, 100),
-                "satellites_main": (0, 100),
-                "satellites_aux": (0, 100),
-                "satellites_masked": (0, 100),
-                "heading_bias_rad": (-0.5, 0.5),
-                "heading_bias_sd_rad": (0, 0.5),
-                "lever_arm_error_m": (-5, 5),
-            },
-        )
+        check_fields("gnss", self)
         check_outages(self.outages)
 
     @property

@@ -19,13 +19,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import radians
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from numpy.random import Generator
 
-from twin.errors import BadInput
-from twin.sensors.checks import check_fields
+from twin.errors import BadInput, check_range
+from twin.sensors.checks import Range, check_fields
 from twin.sensors.filters import filtered, group_delay_s, low_pass, settled
 from twin.sensors.noise import Array, GaussMarkov, advance, gauss_markov, generator
 from twin.sensors.sampling import Averager, Stamps, arrivals, average, averager
@@ -47,83 +47,57 @@ sqrt((2/r) (1 - (3 - 4 exp(-r) + exp(-2 r)) / (2 r))) at r = 1.89."""
 class Imu:
     """A MEMS unit of the MPU-92xx class; the data sheet's values, then the true errors."""
 
-    rate_hz: float = 50.0
+    rate_hz: Annotated[float, Range(1, 1000)] = 50.0
     """Output rate, Hz."""
-    internal_rate_hz: float = 200.0
+    internal_rate_hz: Annotated[float, Range(1, 1000)] = 200.0
     """Conversion rate, Hz; a whole multiple of the output rate."""
-    filter_order: int = 4
+    filter_order: Annotated[int, Range(4, 10)] = 4
     """Order of the Butterworth low-pass."""
-    filter_cut_hz: float = 15.0
+    filter_cut_hz: Annotated[float, Range(0.1, 400)] = 15.0
     """Its -3 dB frequency, Hz; body modes lie at 1-7 Hz, engine orders from 12 Hz on."""
-    latency_s: float = 0.002
+    latency_s: Annotated[float, Range(0, 1)] = 0.002
     """From conversion to arrival, beside the filter's delay, s."""
-    latency_jitter_s: float = 0.0002
+    latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.0002
     """Scale of the latency's scatter, s."""
-    gyro_noise_radps_rthz: float = radians(0.005)
+    gyro_noise_radps_rthz: Annotated[float, Range(0, 1)] = radians(0.005)
     """White noise N of the gyroscopes: Allan deviation N / sqrt(tau); angle random walk."""
-    accel_noise_mps2_rthz: float = 350e-6 * STANDARD_GRAVITY_MPS2
+    accel_noise_mps2_rthz: Annotated[float, Range(0, 10)] = 350e-6 * STANDARD_GRAVITY_MPS2
     """White noise N of the accelerometers, 300-400 ug/sqrt(Hz); velocity random walk."""
-    gyro_instability_radps: float = radians(0.0012)
+    gyro_instability_radps: Annotated[float, Range(0, 1)] = radians(0.0012)
     """Bias instability, the flat of the Allan deviation, rad/s."""
-    accel_instability_mps2: float = 50e-6 * STANDARD_GRAVITY_MPS2
+    accel_instability_mps2: Annotated[float, Range(0, 10)] = 50e-6 * STANDARD_GRAVITY_MPS2
     """Bias instability of the accelerometers, m/s2; assumed."""
-    wander_tau_s: float = 300.0
+    wander_tau_s: Annotated[float, Range(0.1, 1e5)] = 300.0
     """Correlation time of the wandering bias, s; 100-500."""
-    gyro_bias_sd_radps: float = radians(0.05)
+    gyro_bias_sd_radps: Annotated[float, Range(0, 1)] = radians(0.05)
     """sd of the turn-on bias, rad/s, after zeroing at standstill; 0.5 deg/s raw."""
-    accel_bias_sd_mps2: float = 0.01 * STANDARD_GRAVITY_MPS2
+    accel_bias_sd_mps2: Annotated[float, Range(0, 10)] = 0.01 * STANDARD_GRAVITY_MPS2
     """sd of the turn-on bias, m/s2; 10 mg calibrated, 50 mg raw."""
-    scale_sd: float = 1e-3
+    scale_sd: Annotated[float, Range(0, 0.1)] = 1e-3
     """sd of the scale error of each axis, drawn once from the seed; assumed, calibrated unit."""
-    mounting_sd_rad: float = radians(0.2)
+    mounting_sd_rad: Annotated[float, Range(0, 0.5)] = radians(0.2)
     """sd of each mounting angle, drawn once from the seed, rad; assumed, fitted with a square."""
-    gyro_range_radps: float = radians(250.0)
+    gyro_range_radps: Annotated[float, Range(0.1, 100)] = radians(250.0)
     """Full scale, rad/s; with 16 bits the resolution is range / 32768."""
-    accel_range_mps2: float = 4.0 * STANDARD_GRAVITY_MPS2
+    accel_range_mps2: Annotated[float, Range(10, 1000)] = 4.0 * STANDARD_GRAVITY_MPS2
     """Full scale, m/s2."""
-    vibration_rms_mps2: float = 0.5
+    vibration_rms_mps2: Annotated[float, Range(0, 50)] = 0.5
     """Engine vibration on each axis before the filter, m/s2 rms; 0.5-2."""
-    firing_order: float = 3.0
+    firing_order: Annotated[float, Range(0.5, 8)] = 3.0
     """Firings per turn of the engine; 3 for a four-stroke six-cylinder engine."""
-    gyro_bias_radps: Vector = (0.0, 0.0, 0.0)
+    gyro_bias_radps: Annotated[Vector, Range(-1, 1)] = (0.0, 0.0, 0.0)
     """True bias beside the drawn one, rad/s."""
-    accel_bias_mps2: Vector = (0.0, 0.0, 0.0)
+    accel_bias_mps2: Annotated[Vector, Range(-10, 10)] = (0.0, 0.0, 0.0)
     """True bias beside the drawn one, m/s2."""
-    scale_error: float = 0.0
+    scale_error: Annotated[float, Range(-0.1, 0.1)] = 0.0
     """True scale error of every axis beside the drawn ones."""
-    mounting_error_rad: Vector = (0.0, 0.0, 0.0)
+    mounting_error_rad: Annotated[Vector, Range(-0.5, 0.5)] = (0.0, 0.0, 0.0)
     """True roll, pitch and yaw of the unit in the body beside the drawn ones, rad."""
 
     def __post_init__(self) -> None:
-        check_fields(
-            "imu",
-            self,
-            {
-                "rate_hz": (1, 1000),
-                "internal_rate_hz": (self.rate_hz, 1000),
-                "filter_order": (4, 10),
-                "filter_cut_hz": (0.1, 0.4 * self.rate_hz),
-                "latency_s": (0, 1),
-                "latency_jitter_s": (0, 0.1),
-                "gyro_noise_radps_rthz": (0, 1),
-                "accel_noise_mps2_rthz": (0, 10),
-                "gyro_instability_radps": (0, 1),
-                "accel_instability_mps2": (0, 10),
-                "wander_tau_s": (0.1, 1e5),
-                "gyro_bias_sd_radps": (0, 1),
-                "accel_bias_sd_mps2": (0, 10),
-                "scale_sd": (0, 0.1),
-                "mounting_sd_rad": (0, 0.5),
-                "gyro_range_radps": (0.1, 100),
-                "accel_range_mps2": (10, 1000),
-                "vibration_rms_mps2": (0, 50),
-                "firing_order": (0.5, 8),
-                "gyro_bias_radps": (-1, 1),
-                "accel_bias_mps2": (-10, 10),
-                "scale_error": (-0.1, 0.1),
-                "mounting_error_rad": (-0.5, 0.5),
-            },
-        )
+        check_fields("imu", self)
+        check_range("imu.internal_rate_hz", self.internal_rate_hz, self.rate_hz, 1000)
+        check_range("imu.filter_cut_hz", self.filter_cut_hz, 0.1, 0.4 * self.rate_hz)
         if self.internal_rate_hz % self.rate_hz:
             raise BadInput(
                 f"imu.internal_rate_hz = {self.internal_rate_hz:g} is no whole multiple of "

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from numpy.random import Generator
 
-from twin.sensors.checks import check_fields
+from twin.sensors.checks import Range, check_fields
 from twin.sensors.noise import Array, generator
 from twin.sensors.sampling import Reader, arrivals, read, reader
 from twin.streams import Table
@@ -37,44 +37,29 @@ TORQUE_STEP_NM = 1.0
 class Bus:
     """What the bus tells; the data sheet's values, then the true errors."""
 
-    rate_hz: float = 10.0
+    rate_hz: Annotated[float, Range(0.1, 100)] = 10.0
     """Rate of the messages, Hz; J1939 sends engine messages every 10 to 100 ms."""
-    latency_s: float = 0.01
+    latency_s: Annotated[float, Range(0, 1)] = 0.01
     """From measuring to arrival, s."""
-    latency_jitter_s: float = 0.002
+    latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.002
     """Scale of the latency's scatter, s."""
-    reference_torque_nm: float = 600.0
+    reference_torque_nm: Annotated[float, Range(1, 10_000)] = 600.0
     """Torque that is a load of 1, N m (SPN 544)."""
-    lower_link_m: float = 0.9
+    lower_link_m: Annotated[float, Range(0.05, 2)] = 0.9
     """Length of the lower links, m: height of the hitch points = length sin(lift angle)."""
-    steer_sd_rad: float = 0.002
+    steer_sd_rad: Annotated[float, Range(0, 0.1)] = 0.002
     """Noise of the steering angle sensor, rad."""
-    draft_pin_sd_n: float = 150.0
+    draft_pin_sd_n: Annotated[float, Range(0, 1e4)] = 150.0
     """Noise of the draft pin, N; about 0.2 % of its range."""
-    axle_torque_sd_nm: float = 30.0
+    axle_torque_sd_nm: Annotated[float, Range(0, 1e4)] = 30.0
     """Noise of the axle torque transducer, N m."""
-    steer_bias_rad: float = 0.0
+    steer_bias_rad: Annotated[float, Range(-0.2, 0.2)] = 0.0
     """True zero error of the steering angle sensor, rad."""
-    draft_pin_scale_error: float = 0.0
+    draft_pin_scale_error: Annotated[float, Range(-0.2, 0.2)] = 0.0
     """True relative scale error of the draft pin."""
 
     def __post_init__(self) -> None:
-        check_fields(
-            "machine",
-            self,
-            {
-                "rate_hz": (0.1, 100),
-                "latency_s": (0, 1),
-                "latency_jitter_s": (0, 0.1),
-                "reference_torque_nm": (1, 10_000),
-                "lower_link_m": (0.05, 2),
-                "steer_sd_rad": (0, 0.1),
-                "draft_pin_sd_n": (0, 1e4),
-                "axle_torque_sd_nm": (0, 1e4),
-                "steer_bias_rad": (-0.2, 0.2),
-                "draft_pin_scale_error": (-0.2, 0.2),
-            },
-        )
+        check_fields("machine", self)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import atan2, dist
 
-from twin.sensors import camera
+from twin.sensors import camera, own
 from twin.sensors.suite import Sensors
 from twin.streams import WHEELS, DepthSetup, GnssSetup, ImuSetup, Setup, WheelsSetup
 
@@ -58,6 +58,7 @@ def setup(sensors: Sensors, geometry: Geometry) -> Setup:
         imu=_imu(sensors, geometry),
         depth=_depth(sensors, geometry),
         camera=None if sensors.camera is None else camera.setup(sensors.camera),
+        extra={sensor.stream: own.setup(sensor, geometry) for sensor in sensors.extra},
     )
 
 

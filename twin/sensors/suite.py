@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from twin.sensors import camera, depth, gnss, imu, machine, wheels
+from twin.errors import BadInput
+from twin.sensors import camera, depth, gnss, imu, machine, own, wheels
 from twin.sensors.camera import Camera
 from twin.sensors.depth import Depth
 from twin.sensors.faults import Fault, Held, fail
 from twin.sensors.gnss import Gnss
 from twin.sensors.imu import Imu
 from twin.sensors.machine import Bus
+from twin.sensors.own import Sensor, State
 from twin.sensors.wheels import Wheels
 from twin.streams import Streams, Table
 
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from twin.trajectory.trajectory import Trajectory
 
 Config = TypeVar("Config", Gnss, Imu, Wheels, Depth, Bus)
+Fitted = Gnss | Imu | Wheels | Depth | Bus | Camera | Sensor
 
 MODULES: dict[str, ModuleType] = {
     "gnss": gnss,
@@ -32,7 +35,8 @@ MODULES: dict[str, ModuleType] = {
     "machine": machine,
     "camera": camera,
 }
-"""Module of each stream; each has init(config, seed, start_ns) and sample(config, state, chunk)."""
+"""Module of each stream; each has init(config, seed, start_ns) and sample(config, state, chunk).
+`own` is that of the others."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,10 +57,19 @@ class Sensors:
     """Camera that looks down at the ground."""
     faults: tuple[Fault, ...] = ()
     """What goes wrong with wires, counters and clocks, and when."""
+    extra: tuple[Sensor, ...] = ()
+    """Sensors of your own, on the command line as module:Name."""
 
-    def fitted(self) -> dict[str, Any]:
+    def __post_init__(self) -> None:
+        streams = [sensor.stream for sensor in self.extra]
+        if len(set(streams)) < len(streams):
+            raise BadInput(f"sensors.extra: two of the streams {', '.join(streams)} are the same")
+
+    def fitted(self) -> dict[str, Fitted]:
         """Configuration of each sensor that is not switched off, by stream."""
-        return {name: getattr(self, name) for name in MODULES if getattr(self, name) is not None}
+        shipped = {name: getattr(self, name) for name in MODULES}
+        fitted = {name: config for name, config in shipped.items() if config is not None}
+        return fitted | {sensor.stream: sensor for sensor in self.extra}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +79,7 @@ class SuiteState:
     It holds random generators, which move on as it is used: to branch a run, deep-copy it first.
     """
 
-    sensors: dict[str, Any]
+    sensors: dict[str, State]
     waiting: dict[str, Table]
     start_ns: int = 0
     """Instant from which scheduled faults count."""
@@ -82,7 +95,8 @@ def init(sensors: Sensors, seed: int, start_ns: int = 0) -> SuiteState:
         seed: of every noise term and every drawn error; a sensor's draws depend on no other's.
         start_ns: instant of the first sample; scheduled faults count from it.
     """
-    states = {n: MODULES[n].init(c, seed, start_ns) for n, c in sensors.fitted().items()}
+    fitted = sensors.fitted().items()
+    states = {n: MODULES.get(n, own).init(c, seed, start_ns) for n, c in fitted}
     return SuiteState(sensors=states, waiting={}, start_ns=start_ns)
 
 
@@ -95,7 +109,7 @@ def sample(sensors: Sensors, state: SuiteState, chunk: Trajectory) -> tuple[Suit
     """
     states, waiting, arrived, held = {}, {}, {}, state.held
     for name, config in sensors.fitted().items():
-        states[name], table = MODULES[name].sample(config, state.sensors[name], chunk)
+        states[name], table = MODULES.get(name, own).sample(config, state.sensors[name], chunk)
         if sensors.faults:
             table, held = fail(sensors.faults, name, table, state.start_ns, held)
         if name in state.waiting:
@@ -145,5 +159,5 @@ def ideal() -> Sensors:
 
 def _quiet(config: Config) -> Config:
     names = [f.name for f in fields(config) if any(part in f.name for part in ERRORS)]
-    zeros: dict[str, Any] = dict.fromkeys(names, 0.0)
-    return replace(config, **zeros)
+    changes: Mapping[str, State] = dict.fromkeys(names, 0.0)
+    return replace(config, **changes)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from numpy.random import Generator
 
-from twin.sensors.checks import check_fields
+from twin.sensors.checks import Range, check_fields
 from twin.sensors.noise import Array, generator
 from twin.sensors.sampling import Reader, arrivals, read, reader
 from twin.streams import WHEELS, Table
@@ -21,38 +21,27 @@ if TYPE_CHECKING:
 class Wheels:
     """An encoder on each wheel; the data sheet's values, then the true errors."""
 
-    rate_hz: float = 50.0
+    rate_hz: Annotated[float, Range(1, 500)] = 50.0
     """Rate at which the counters are read, Hz."""
-    lines: int = 1000
+    lines: Annotated[int, Range(1, 100_000)] = 1000
     """Lines per turn; 10 ... 2000 for an Omron E6B2-CWZ6C."""
-    decoding: int = 4
+    decoding: Annotated[int, Range(1, 4)] = 4
     """Counts per line: 1, 2 or 4 edges of the two channels."""
-    latency_s: float = 0.005
+    latency_s: Annotated[float, Range(0, 1)] = 0.005
     """From reading to arrival, s."""
-    latency_jitter_s: float = 0.0005
+    latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.0005
     """Scale of the latency's scatter, s."""
-    read_jitter_s: float = 20e-6
+    read_jitter_s: Annotated[float, Range(0, 1e-3)] = 20e-6
     """sd of the instant of reading about its epoch, s."""
-    radius_error: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    radius_error: Annotated[tuple[float, float, float, float], Range(-0.2, 0.2)] = (
+        0.0, 0.0, 0.0, 0.0,
+    )  # fmt: skip
     """True error of the rolling radius of fl fr rl rr: true = nominal (1 + error)."""
-    radius_error_sd: float = 0.005
+    radius_error_sd: Annotated[float, Range(0, 0.05)] = 0.005
     """sd of a further error of each wheel, drawn once from the seed: wear and tyre pressure."""
 
     def __post_init__(self) -> None:
-        check_fields(
-            "wheels",
-            self,
-            {
-                "rate_hz": (1, 500),
-                "lines": (1, 100_000),
-                "decoding": (1, 4),
-                "latency_s": (0, 1),
-                "latency_jitter_s": (0, 0.1),
-                "read_jitter_s": (0, 1e-3),
-                "radius_error": (-0.2, 0.2),
-                "radius_error_sd": (0, 0.05),
-            },
-        )
+        check_fields("wheels", self)
 
     @property
     def counts_per_turn(self) -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
 
 LOOK_BACK_S, NOW_S = 5.0, 1.0
 """Time over which a stall and a spin are judged, and what of it counts as now [s]; assumed."""
@@ -104,7 +103,7 @@ class End:
         when = f" at {self.time_s:.1f} s, {self.along_m:.1f} m along {self.way}"
         return f"{self.outcome}{when if self.early else ''}: {words}"
 
-    def plain(self) -> dict[str, Any]:
+    def plain(self) -> dict[str, bool | float | str]:
         """As it stands in scores.json."""
         return {
             "outcome": str(self.outcome), "as_planned": self.as_planned, "time_s": self.time_s,

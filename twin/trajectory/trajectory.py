@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.streams import Array, read_only
 from twin.trajectory.end import End
 
 
@@ -18,16 +18,21 @@ class Trajectory:
 
     epoch_ns: NDArray[np.int64]
     """Physics grid, shape (n,)."""
-    columns: Mapping[str, NDArray[Any]]
+    columns: Mapping[str, Array]
     """Quantity by name, each of shape (n, ...)."""
     end: End | None = None
     """How the drive ended, in its last chunk."""
 
-    def __getitem__(self, name: str) -> NDArray[Any]:
+    def __getitem__(self, name: str) -> Array:
         return self.columns[name]
 
     def __len__(self) -> int:
         return len(self.epoch_ns)
+
+    def read_only(self) -> Trajectory:
+        """The same rows, for who must not change them for others."""
+        columns = {name: read_only(column) for name, column in self.columns.items()}
+        return Trajectory(read_only(self.epoch_ns), columns, self.end)
 
     def cut(self, start: int, stop: int) -> Trajectory:
         """Rows from `start` up to `stop`."""

@@ -1,0 +1,57 @@
+"""The readers of logs by name: those that come with the twin, and a user's own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from twin.errors import BadInput, UnknownName
+from twin.logs.csv_table import Csv
+from twin.logs.nmea_log import Nmea
+from twin.logs.parquet_table import Parquet
+from twin.logs.reader import Reader
+from twin.logs.run_folder import RunFolder
+from twin.plugins.lookup import attribute, line
+
+READERS: dict[str, Reader] = {
+    "run-folder": RunFolder(),
+    "parquet": Parquet(),
+    "nmea": Nmea(),
+    "csv": Csv(),
+}
+"""By name; the first that fits a path reads it, and CSV fits any file."""
+
+
+def reader(spec: str) -> Reader:
+    """A reader by its name, or by `module:Name`, a class or an instance.
+
+    Raises:
+        UnknownName: no reader is called so.
+        BadInput: the module cannot be imported, or what it has is no reader.
+    """
+    if spec in READERS:
+        return READERS[spec]
+    if ":" not in spec:
+        raise UnknownName("reader of logs", spec, READERS)
+    found = attribute("reader of logs", spec)
+    if isinstance(found, type):
+        try:
+            found = found()
+        except Exception as error:  # whatever a user's constructor raises
+            raise BadInput(f"reader of logs '{spec}' cannot be made: {line(error)}") from None
+    if not isinstance(found, Reader):
+        kind = getattr(found, "__name__", type(found).__name__)
+        raise BadInput(f"reader of logs '{spec}' is {kind}; it must be a twin.logs.Reader")
+    return found
+
+
+def fitting(path: Path) -> Reader:
+    """The reader a path needs, by its nature and its first bytes. Raises BadInput."""
+    head = b""
+    if not path.is_dir():
+        if not path.exists():
+            raise BadInput("there is no such file")
+        if not path.is_file():
+            raise BadInput("not a regular file")
+        with path.open("rb") as file:
+            head = file.read(4096)
+    return next(known for known in READERS.values() if known.fits(path, head))

@@ -1,0 +1,206 @@
+"""A sensor of one's own, found by `module:Name`: its stream, its set-up, and how it samples.
+
+As a module this is what the modules of the twin's own sensors are to theirs, `init` and `sample`;
+what a user's code does wrong is told by name and line.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+
+import numpy as np
+
+from twin.errors import BadInput, TwinError, UnknownName
+from twin.io.plain import from_plain
+from twin.plugins.failing import failing
+from twin.plugins.lookup import attribute, line
+from twin.sensors.checks import check_fields
+from twin.streams import COLUMNS, STAMPS, OwnSetup, Table, Value
+
+if TYPE_CHECKING:
+    from twin.sensors.nominal import Geometry
+    from twin.trajectory.trajectory import Trajectory
+
+State: TypeAlias = Any
+"""Whatever a sensor carries from chunk to chunk."""
+
+STREAM = re.compile("[a-z][a-z0-9_]*")
+"""What a stream can be called: it names a file, too."""
+PLACE = "sensor"
+"""Where a scenario.json says which sensor it is, beside its fields."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a stream."""
+
+    name: str
+    unit: str
+    meaning: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensor:
+    """Base of a sensor of one's own: a frozen dataclass of its data sheet and its true errors.
+
+    A subclass gives `stream`, `columns`, `init` and `sample`. A field's range stands on it, as
+    `Annotated[float, Range(0, 1)]`.
+    """
+
+    stream: ClassVar[str] = ""
+    """Name of its table in `Streams`."""
+    columns: ClassVar[tuple[Column, ...]] = ()
+    """Of its table, beside `epoch_ns` and `arrival_ns`."""
+
+    def __post_init__(self) -> None:
+        if not STREAM.fullmatch(self.stream) or self.stream in COLUMNS:
+            raise BadInput(
+                f"sensor {self.name}: stream = '{self.stream}' must be lower-case letters, digits "
+                f"and _, and none of {', '.join(COLUMNS)}"
+            )
+        named = [column.name for column in self.columns]
+        if not named or len({*named, *STAMPS}) < len(named) + len(STAMPS):
+            raise BadInput(f"sensor {self.name}: columns = {named} must be names, each once")
+        check_fields(self.stream, self)
+
+    def setup(self, geometry: Geometry) -> Mapping[str, Value]:
+        """What an estimator is told: nominal values alone, never a true error."""
+        return {}
+
+    def init(self, seed: int, start_ns: int) -> State:
+        """The sensor at the start of a run; all its chance comes from the seed."""
+        raise NotImplementedError
+
+    def sample(self, state: State, chunk: Trajectory) -> tuple[State, Table]:
+        """The samples of a chunk; how a drive is cut into chunks must change no bit of them."""
+        raise NotImplementedError
+
+    @property
+    def name(self) -> str:
+        """Where it is found, `module:Name`."""
+        kind, module = type(self), type(self).__module__
+        script = getattr(sys.modules.get("__main__"), "__file__", None)
+        if module == "__main__" and script:
+            module = Path(script).stem
+        return f"{module}:{kind.__qualname__}"
+
+    @classmethod
+    def by_name(cls, spec: str) -> Sensor:
+        """The sensor `module:Name` stands for, a class with its defaults or an instance.
+
+        Raises:
+            BadInput: there is no such thing, or it is no Sensor.
+        """
+        if ":" not in spec:
+            raise BadInput(f"sensor '{spec}' must be module:Name")
+        found = attribute("sensor", spec)
+        if isinstance(found, type) and issubclass(found, cls):
+            found = _made(spec, found, {})
+        if not isinstance(found, cls):
+            kind = getattr(found, "__name__", type(found).__name__)
+            raise BadInput(f"sensor '{spec}' is {kind}; it must be a twin.sensors.Sensor")
+        return found
+
+    def to_plain(self) -> dict[str, object]:
+        """As a scenario.json keeps it."""
+        kept = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        return {PLACE: self.name, **kept}
+
+    @classmethod
+    def from_plain(cls, value: object) -> Sensor:
+        """Inverse of `to_plain`. Raises BadInput."""
+        if not isinstance(value, Mapping) or not isinstance(value.get(PLACE), str):
+            raise BadInput(f"a sensor of one's own needs '{PLACE}': 'module:Name'")
+        spec = value[PLACE]
+        fields = {name: given for name, given in value.items() if name != PLACE}
+        return _made(spec, type(cls.by_name(spec)), fields)
+
+
+def _made(spec: str, kind: type[Sensor], fields: Mapping[str, object]) -> Sensor:
+    try:
+        return from_plain(kind, fields)
+    except TwinError:
+        raise
+    except Exception as error:  # whatever a user's constructor raises
+        raise BadInput(f"sensor '{spec}' cannot be made: {line(error)}") from None
+
+
+@dataclass(frozen=True, kw_only=True)
+class OwnState:
+    """Where a sensor of one's own stands."""
+
+    state: State
+    arrival_ns: int
+    """Of its last sample."""
+
+
+def init(config: Sensor, seed: int, start_ns: int) -> OwnState:
+    """The sensor at the start of a run. Raises BadInput if it fails."""
+    with failing(f"sensor '{config.name}': init", config):
+        return OwnState(state=config.init(seed, start_ns), arrival_ns=start_ns)
+
+
+def sample(config: Sensor, state: OwnState, chunk: Trajectory) -> tuple[OwnState, Table]:
+    """The samples of the chunk. Raises BadInput if the sensor fails or gives no such table."""
+    with failing(f"sensor '{config.name}'", config):
+        given: object = config.sample(state.state, chunk.read_only())
+    if not (isinstance(given, tuple) and len(given) == 2 and isinstance(given[1], Mapping)):
+        kind = type(given).__name__
+        raise BadInput(f"sensor '{config.name}': sample gives {kind}, not (state, table)")
+    try:
+        table = _checked(config, given[1], state.arrival_ns)
+    except TwinError as error:
+        raise BadInput(f"sensor '{config.name}': {error}") from None
+    last_ns = int(table["arrival_ns"][-1]) if len(table["arrival_ns"]) else state.arrival_ns
+    return OwnState(state=given[0], arrival_ns=last_ns), table
+
+
+def setup(config: Sensor, geometry: Geometry) -> OwnSetup:
+    """What an estimator is told of the sensor. Raises BadInput if it is no data sheet."""
+    with failing(f"sensor '{config.name}': setup", config):
+        told = dict(config.setup(geometry))
+    values = {str(name): _value(config, str(name), value) for name, value in told.items()}
+    return OwnSetup(columns={c.name: (c.unit, c.meaning) for c in config.columns}, values=values)
+
+
+def _value(config: Sensor, name: str, value: object) -> Value:
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple) and all(isinstance(v, int | float) for v in value):
+        return tuple(float(v) for v in value)
+    if isinstance(value, bool | int | float | str):
+        return value
+    raise BadInput(
+        f"sensor '{config.name}': setup gives {name} = {value!r}; "
+        "a number, a text or a tuple of numbers will do"
+    )
+
+
+def _checked(config: Sensor, given: Mapping[str, object], last_ns: int) -> Table:
+    """The table with its columns in order. Raises BadInput that names the column."""
+    wanted = (*STAMPS, *(column.name for column in config.columns))
+    for name in given:
+        if name not in wanted:
+            raise UnknownName(f"column of {config.stream}", str(name), wanted)
+    if lacking := [name for name in wanted if name not in given]:
+        raise BadInput(f"sample gives no {', no '.join(lacking)}")
+    table = {name: np.asarray(given[name]) for name in wanted}
+    count = table["epoch_ns"].shape
+    for name, values in table.items():
+        if values.ndim != 1 or values.shape != count:
+            raise BadInput(f"{name} has shape {values.shape}, epoch_ns {count}")
+        if name in STAMPS and values.dtype != np.int64:
+            raise BadInput(f"{name} is {values.dtype}, not int64 nanoseconds")
+        if values.dtype.kind not in "biuf":
+            raise BadInput(f"{name} holds {values.dtype} values, not numbers")
+    if np.any(np.diff(table["arrival_ns"], prepend=last_ns) < 0):
+        raise BadInput("arrival_ns falls; no sample arrives before the one sent before it")
+    if np.any(table["arrival_ns"] < table["epoch_ns"]):
+        raise BadInput("a sample arrives before the instant it describes")
+    return table
