@@ -1,4 +1,7 @@
-"""`twin rig wheel | drawbar | slope | park`: run a test rig; write CSV and a figure."""
+"""`twin rig wheel | drawbar | slope | park`: run a test rig; write CSV and a figure.
+
+One module, because the five rigs are options of one command.
+"""
 
 from __future__ import annotations
 

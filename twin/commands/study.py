@@ -1,4 +1,7 @@
-"""`twin study SCENARIOS`: do many runs and give means with intervals."""
+"""`twin study SCENARIOS`: do many runs and give means with intervals.
+
+One module, because options, work and what is shown belong to one command.
+"""
 
 from __future__ import annotations
 
