@@ -193,7 +193,7 @@ def limits(axes: Axes, found: list[Array], scale: float) -> None:
 
 def as_map(axes: Axes) -> None:
     """A metre east as long as a metre north, and never less than 2 m of either."""
-    middle = 0.5 * (axes.dataLim.min + axes.dataLim.max)
+    middle = 0.5 * (np.asarray(axes.dataLim.min) + np.asarray(axes.dataLim.max))
     axes.update_datalim([middle - 1.0, middle + 1.0])
     axes.autoscale_view()
     axes.set_aspect("equal", adjustable="datalim")

@@ -126,7 +126,7 @@ def block_means(table: Table, values: Array, window: Window) -> tuple[Array, Arr
 def _blocks(
     truth: Table, estimates: Estimates, column: str, window: Window, *, consistency: bool = False
 ) -> dict[str, tuple[Array, Array]]:
-    """Time and mean square error in blocks of each estimate; over its variance where `consistency`."""
+    """Time and mean square error in blocks of each estimate, over its variance if asked."""
     found = {}
     for name, table in estimates.items():
         error = error_of(truth, table, column)
