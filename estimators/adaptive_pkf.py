@@ -4,6 +4,8 @@ Two observers of all six states, each with Q and R of its own: one measures the 
 front wheels, one by GNSS; the body's acceleration, the driven wheels' speed and its acceleration
 they share. A, Q, R and the rows of H connect nothing between the ground's three states and the
 wheels', so an observer is two blocks of three.
+
+One module, because the search and the filter it drives share one record and one loop.
 """
 
 from __future__ import annotations

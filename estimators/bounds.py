@@ -9,6 +9,8 @@ Errors that are constant over a run (radius, mounting angle, bias) are left out:
 apart.
 
 Source: Tichavsky, Muravchik and Nehorai 1998, IEEE Trans. SP 46, 1386.
+
+One module, because every part serves one bound and is used nowhere else.
 """
 
 from __future__ import annotations

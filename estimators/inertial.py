@@ -14,6 +14,9 @@ from twin.compute.compiled import compiled
 GYRO_MEAN_S = 30.0
 """Roll and pitch rates are taken about their mean over this: a tractor does not go on rolling,
 a gyro's bias does."""
+TURNED_RAD = 0.05
+"""sd of the pitch and roll at either end of that mean: ploughs that rise and sink pitch a tractor
+by a degree or two, a furrow rolls it by eight."""
 PITCH_LEAK_S = 10.0
 """The pitch is integrated and forgotten over this: beyond it the gyro's drift is the larger."""
 GAP_S = 0.2
@@ -34,7 +37,7 @@ def read(
     """Turn rates into memory, forward acceleration of the rear-axle centre into the signal.
 
     f_x = dv_x/dt + g sin(pitch) - r^2 l_x
-    accel = f_x + r^2 l_x - g sin(pitch'),   dpitch'/dt = -(q - mean q) - pitch' / 10 s
+    accel = f_x + r^2 l_x - g sin(pitch'),   dpitch'/dt = -(q - bias q) - pitch' / 10 s
 
     Quick pitching is taken out by the gyro; slopes and the mounting stay in, as a slow bias that a
     filter must carry. The lever arm's terms in angular acceleration and r v_y are left out.
@@ -47,8 +50,10 @@ def read(
         gain = max(step / (GYRO_MEAN_S + step), 1.0 / memory.imu_samples)
         memory.gyro_mean_radps[0] += gain * (p - memory.gyro_mean_radps[0])
         memory.gyro_mean_radps[1] += gain * (q - memory.gyro_mean_radps[1])
-        p -= memory.gyro_mean_radps[0]
-        q -= memory.gyro_mean_radps[1]
+        memory.gyro_s += step
+        trust = _trust_in_mean(memory.gyro_s, nominal.gyro_bias_sd_radps)
+        p -= trust * memory.gyro_mean_radps[0]
+        q -= trust * memory.gyro_mean_radps[1]
         turned = -q * dt if dt <= GAP_S else 0.0
         memory.pitch_rad = (memory.pitch_rad + turned) * math.exp(-dt / PITCH_LEAK_S)
     else:
@@ -68,6 +73,18 @@ def read(
     memory.history[slot, 1] = q
     memory.history[slot, 2] = memory.yaw_rate_radps
     memory.history[slot, 3] = memory.yaw_rad
+
+
+@compiled
+def _trust_in_mean(span_s: float, bias_sd: float) -> float:
+    """Share of a mean rate that is the gyro's bias: var b / (var b + 2 (turned / span)^2).
+
+    A degree turned in the first seconds is no bias: with the antenna 2 m up it would be centimetres
+    per second of ground speed.
+    """
+    if not span_s > 0.0 or not bias_sd > 0.0:
+        return 0.0
+    return float(1.0 / (1.0 + 2.0 * (TURNED_RAD / (span_s * bias_sd)) ** 2))
 
 
 @compiled

@@ -60,6 +60,7 @@ NOMINAL = np.dtype(
         ("imu_m", "f8", 3),
         ("accel_sd_mps2", "f8"),
         ("accel_bias_sd_mps2", "f8"),
+        ("gyro_bias_sd_radps", "f8"),
         ("gravity", "f8"),
         ("camera_y_m", "f8"),
     ],
@@ -107,6 +108,7 @@ MEMORY = np.dtype(
         ("tick", "f8", 4),
         ("direction", "f8"),
         ("imu_samples", "i8"),
+        ("gyro_s", "f8"),
         ("gyro_mean_radps", "f8", 2),
         ("yaw_rate_radps", "f8"),
         ("yaw_rad", "f8"),
@@ -167,6 +169,7 @@ def nominal(setup: Setup) -> tuple[Any, ...]:
         imu.lever_arm_m if imu else (0.0, 0.0, 0.0),
         accel_sd,
         imu.accel_bias_sd_mps2 if imu else 0.0,
+        imu.gyro_bias_sd_radps if imu else 0.0,
         float(imu.gravity) if imu else 1.0,
         setup.camera.lever_arm_m[1] if setup.camera else 0.0,
     )

@@ -4,6 +4,8 @@ Every filter here has x = [v, a, j] for the ground and [w, a_w, j_w] for the dri
 paper's six states are these two blocks: A, Q and the rows of H connect nothing across them. Beside
 each stands an accelerometer bias b, and beside the ground's what the front wheels are off by, c;
 they are zero where their standard deviation is set to zero, as in the paper.
+
+One module, because the filters of this family differ in tuning alone.
 """
 
 from __future__ import annotations

@@ -5,6 +5,8 @@ origin at the rear-axle centre; angles are counter-clockwise from east. Times ar
 `epoch_ns` is the instant a sample describes, `arrival_ns` when it reaches the estimator.
 A sensor, or a column of it, may be absent; a NaN is a value that was not measured. The arrays of
 `Streams` are read-only, because every estimator is handed the same ones: work on a `.copy()`.
+
+One module, because it is all that an estimator may import.
 """
 
 from __future__ import annotations

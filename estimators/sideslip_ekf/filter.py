@@ -1,4 +1,7 @@
-"""Samples wait a little and are taken in order of epoch; what is told is brought up to now."""
+"""Samples wait a little and are taken in order of epoch; what is told is brought up to now.
+
+One module, because predict and correct change one record in place.
+"""
 
 from __future__ import annotations
 

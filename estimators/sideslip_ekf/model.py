@@ -2,6 +2,8 @@
 
 Body axes at the rear-axle centre, in the ground plane: x ahead, y left. The lateral speed is the
 camera's, which needs no gyro; what the gyro's noise does to slides elsewhere is then theirs alone.
+
+One module, because a state, its rates and its Jacobian are read together.
 """
 
 from __future__ import annotations

@@ -3,6 +3,8 @@
 It sees the whole log, so it is not causal, and what it says depends on where the log was cut.
 
 Source: Rauch, Tung and Striebel 1965, AIAA Journal 3, 1445.
+
+One module, because the backward pass undoes what the forward pass keeps.
 """
 
 from __future__ import annotations

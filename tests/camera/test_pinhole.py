@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from tests.camera.views import LENS, view
-from twin.camera.pinhole import exposed, ground_from_pixel, ground_points, matrix
+from twin.camera.pinhole import exposed, ground_from_pixel, ground_points
 from twin.errors import OutOfRange
 
 CENTRE = np.array([[639.5], [399.5], [1.0]])
@@ -53,9 +53,3 @@ def test_a_camera_that_sees_the_sky_says_so():
         ground_from_pixel(LENS, view(turn_rad=(1.5, 0, 0)))
     with pytest.raises(OutOfRange, match=r"-0.100 m above"):
         ground_from_pixel(LENS, view(height_m=-0.1))
-
-
-def test_quaternions_of_any_length_rotate():
-    half = np.radians(30)
-    turned = matrix(1.7 * np.array([np.cos(half), 0, 0, np.sin(half)])) @ [1, 0, 0]
-    np.testing.assert_allclose(turned, [0.5, np.sqrt(0.75), 0], atol=1e-12)

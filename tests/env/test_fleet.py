@@ -9,7 +9,7 @@ import pytest
 
 from twin import sensors
 from twin.env import grounds, reward, starts
-from twin.env.fleet import Axes, Fleet, depth_set_m, governor, lift_rad
+from twin.env.fleet import Fleet, GroundFrame, depth_set_m, governor, lift_rad
 from twin.env.instruments import Instruments
 from twin.env.quantities import powers
 from twin.env.starts import APPROACH_S
@@ -18,12 +18,13 @@ from twin.physics import block
 from twin.pipeline import named as registry
 from twin.simulation.build import build
 from twin.simulation.columns import Recorder
+from twin.simulation.guard import Diverged, repeat
 from twin.streams import concatenate
 from twin.trajectory.trajectory import Trajectory
 from twin.truth import truth
 
 ACTION = np.array([[0.2, 0.5]])
-LEVEL = grounds.lies(0.25)[:1]
+LEVEL = grounds.ground_shapes(0.25)[:1]
 
 
 @pytest.fixture(scope="module")
@@ -111,10 +112,10 @@ def test_a_reset_patches_the_block_as_a_build_would_write_it(machine, begin, soi
     }
     chosen = grounds.check_options(options)
     fleet, drawn = Fleet(machine), grounds.draw(np.random.default_rng(4), chosen, LEVEL)
-    sloped = replace(begin, axes=Axes.of(drawn.lie, machine.scenario.course))
+    sloped = replace(begin, frame=GroundFrame.of(drawn.shape, machine.scenario.course))
     fleet.restore([0], [sloped], [drawn])
     patches = tuple(replace(p, start_m=begin.along_m + p.start_m) for p in drawn.patches)
-    field = replace(drawn.lie.field(), patches=patches)
+    field = replace(drawn.shape.field(), patches=patches)
     scenario = replace(machine.scenario, soil=drawn.soil, seed=drawn.pattern_seed, field=field)
     built = build(scenario)
     np.testing.assert_array_equal(fleet.blocks[0], built.model.numeric_data[-block.SIZE :])
@@ -128,12 +129,12 @@ def test_a_reset_patches_the_block_as_a_build_would_write_it(machine, begin, soi
 
 def test_a_start_on_a_slope_is_settled_on_it(machine):
     """The wheels carry the weight's normal part, and nothing changes any more."""
-    lie = grounds.Lie(cross_slope_deg=5.0, grade_deg=3.0)
-    begin = starts.settle(machine, [lie], seen=False)[0]
+    shape = grounds.GroundShape(cross_slope_deg=5.0, grade_deg=3.0)
+    begin = starts.settle(machine, [shape], seen=False)[0]
     fleet = Fleet(machine)
     same = {"soil.preset": "firm", "soil.friction": 0.88, "soil.cone_index_kpa": 1200.0}
     same |= {"field.origin_m": (0.0, 0.0), "field.patches": ()}
-    drawn = grounds.draw(np.random.default_rng(0), same, [lie])
+    drawn = grounds.draw(np.random.default_rng(0), same, [shape])
     fleet.restore([0], [begin], [drawn])
     true = fleet.true()
     load_n = sum(float(true[f"load_{w}_n"][0]) for w in ("fl", "fr", "rl", "rr"))
@@ -142,7 +143,7 @@ def test_a_start_on_a_slope_is_settled_on_it(machine):
     assert load_n == pytest.approx(weight_n * tilt, rel=0.02)
     speed = true["speed_mps"][0]
     for _ in range(50):
-        fleet.drive(fleet.rolling(), record=False)
+        fleet.drive(fleet.steady(), record=False)
     assert fleet.true()["speed_mps"][0] == pytest.approx(speed, abs=0.02)
 
 
@@ -232,13 +233,22 @@ def test_nothing_is_compiled_on_reset(truth_env, monkeypatch):
     truth_env.step(np.zeros(2))
 
 
+def test_a_failure_names_the_machine_and_what_was_not_finite(machine, begin):
+    fleet = Fleet(machine, nsim=2)
+    fleet.restore([0, 1], [begin] * 2, [ground(1), ground(2)])
+    fleet.qvel[1, machine.model.joint("rl_spin").dofadr[0]] = np.inf
+    with pytest.raises(Diverged, match=r"rl.* of machine 1 of 'Plough-v0'") as caught:
+        fleet.drive(np.repeat(ACTION, 2, axis=0), record=False)
+    assert repeat(fleet.batch.get_model(1), caught.value.evidence.states, fleet.steps).failure
+    fleet.restore([1], [begin], [ground(2)])
+    fleet.drive(np.repeat(ACTION, 2, axis=0), record=False)
+
+
 def downhill(machine, nsim=1):
     """Tractors on a hard slope down, the plough carried, and their actions: full throttle."""
     fleet = Fleet(machine, nsim)
-    lie = grounds.Lie(cross_slope_deg=0.0, grade_deg=-15.0, furrow_depth_m=0.05)
-    for i in range(nsim):
-        fleet.lay(i, Axes.of(lie, machine.scenario.course), 0.05)
-        starts._place(fleet, i)
+    shape = grounds.GroundShape(cross_slope_deg=0.0, grade_deg=-15.0, furrow_depth_m=0.05)
+    starts.stand(fleet, [shape] * nsim)
     return fleet, np.tile([[-1.0, -1.0]], (nsim, 1))
 
 
@@ -247,7 +257,7 @@ def test_the_driver_brakes_downhill_as_in_a_run(machine):
     pressed, rates = [], []
     for _ in range(500):
         fleet.drive(slow, record=False)
-        pressed.append(fleet.foot.pedal.copy())
+        pressed.append(fleet.pedals["pedal"].copy())
         rates.append(66.0 * fleet.qvel[:, fleet.engine] * 30.0 / np.pi)
     assert np.all(np.array(pressed)[:, 0] == np.array(pressed)[:, 1])
     assert np.max(pressed) > 0.0
@@ -255,10 +265,10 @@ def test_the_driver_brakes_downhill_as_in_a_run(machine):
     assert np.max(rates) < 1.15 * machine.numbers["engine.no_load_rpm"]
 
 
-def test_a_start_keeps_the_foot_where_it_was(machine):
-    lie = grounds.Lie(cross_slope_deg=0.0, grade_deg=-15.0, furrow_depth_m=0.05)
-    (begin,) = starts.settle(machine, [lie], seen=False)
+def test_a_start_keeps_the_pedal_where_it_was(machine):
+    shape = grounds.GroundShape(cross_slope_deg=0.0, grade_deg=-15.0, furrow_depth_m=0.05)
+    (begin,) = starts.settle(machine, [shape], seen=False)
     fleet = Fleet(machine)
-    fleet.restore([0], [begin], [replace(ground(1), lie=lie)])
-    assert {n: float(v[0]) for n, v in vars(fleet.foot).items()} == vars(begin.foot)
-    assert begin.foot.asked_radps > 0.0
+    fleet.restore([0], [begin], [replace(ground(1), shape=shape)])
+    assert fleet.pedals[0] == begin.pedal
+    assert begin.pedal["asked_radps"] > 0.0

@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.simulation.rigs import BARE, PLOUGHING, bare_rig, field, plough_rig, replace
-from twin.machine.ground_frame import quaternion, world_from_ground
+from twin.machine.ground_frame import world_from_ground
 from twin.physics import block
 from twin.physics.block import WheelSlot
 from twin.scenario import Course, Field, Patch
@@ -89,15 +89,6 @@ def test_the_ground_frame_is_yaw_then_pitch_up_then_roll():
         theirs = Rotation.from_euler("ZYX", [heading, -grade, cross], degrees=True)
         assert ours == pytest.approx(theirs.as_matrix(), abs=1e-14)
         assert math.degrees(math.asin(ours[2, 0])) == pytest.approx(grade)
-        again = Rotation.from_quat(quaternion(ours), scalar_first=True)
-        assert again.as_matrix() == pytest.approx(ours, abs=1e-14)
-
-
-def test_the_quaternion_holds_for_every_rotation():
-    for rotation in Rotation.random(200, rng=np.random.default_rng(0)):
-        ours = quaternion(rotation.as_matrix())
-        theirs = rotation.as_quat(scalar_first=True)
-        assert abs(ours @ theirs) == pytest.approx(1.0, abs=1e-14)
 
 
 def test_the_block_says_what_the_scenario_asked():

@@ -124,8 +124,9 @@ def test_a_number_no_law_has_gives_nan():
     ],
 )
 def test_what_is_no_law_is_refused_in_words(module, text, name, says):
-    with pytest.raises(BadInput, match=says):
+    with pytest.raises(BadInput, match=says) as caught:
         law_number(module("bad_law", text) + ":" + name)
+    assert "\x1b" not in str(caught.value)
 
 
 def test_a_module_that_is_not_there_is_named():

@@ -4,7 +4,7 @@ import pytest
 from tests.sensors.trajectories import AUX_M, MAIN_M, collect, drive
 from twin.errors import BadInput, OutOfRange
 from twin.sensors import Gnss, Outage, gnss, suite
-from twin.sensors.gnss import rotate, wrap
+from twin.sensors.gnss import wrap
 
 IDEAL = suite.ideal().gnss
 SECOND_NS = 1_000_000_000
@@ -113,11 +113,6 @@ def test_a_lever_arm_error_turns_with_the_body():
     swing = np.stack([a[c] - b[c] for c in ("v_east_mps", "v_north_mps", "v_up_mps")], axis=1)
     # central difference of the shift over 0.1 s, whose error is w^3 h^2 / 6
     np.testing.assert_allclose((shift[2:] - shift[:-2])[:, :2] / 0.1, swing[1:-1, :2], atol=1e-5)
-
-
-def test_rotation_keeps_length_and_turns_x_to_y_about_z():
-    quarter = np.array([[np.cos(np.pi / 4), 0, 0, np.sin(np.pi / 4)]])
-    np.testing.assert_allclose(rotate(quarter, np.array([1.0, 0, 0])), [[0, 1, 0]], atol=1e-15)
 
 
 def test_latency_is_the_data_sheets_and_never_reorders():

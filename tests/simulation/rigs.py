@@ -10,7 +10,8 @@ from twin.machine.start import RAISED_RAD
 from twin.physics.block import MACHINE_SLOTS, WheelSlot
 from twin.scenario import Course, Field, Plough, Scenario, Soil
 from twin.simulation.build import build
-from twin.simulation.simulate import Cab, simulate
+from twin.simulation.simulate import simulate
+from twin.simulation.simulation import Simulation
 
 PLOUGHING = Scenario(
     name="test-plough",
@@ -50,12 +51,12 @@ def driven(scenario):
 
 
 def start(machine, *, rolling=True):
-    """MjData as a run begins, by the same hand that begins a run."""
+    """MjData as a run begins, from where a simulation starts."""
     data = mujoco.MjData(machine.model)
-    cab = Cab(machine)
-    data.qpos[:] = cab.qpos[0]
+    simulation = Simulation(machine)
+    data.qpos[:] = simulation.qpos[0]
     if rolling:
-        data.qvel[:] = cab.qvel[0]
+        data.qvel[:] = simulation.qvel[0]
     return data
 
 

@@ -1,4 +1,4 @@
-"""The driver's foot: what holds a machine downhill, and when it stays off the pedal."""
+"""The brake pedal: what holds a machine downhill, and when it is left alone."""
 
 from dataclasses import replace
 
@@ -10,8 +10,9 @@ from twin.physics import block
 from twin.physics.block import Coupling
 from twin.reproduce.passes import power_closure
 from twin.scenario import Course, Drive, Plough, Scenario, Soil
-from twin.simulation.braking import Brakes, Foot, asked_mps, brakes, press, set_radps
+from twin.simulation.braking import BrakePedal, Drivetrain, governed_radps, press
 from twin.simulation.build import build
+from twin.simulation.course_task import asked_mps, drivetrain
 from twin.simulation.ends import OVERSPEED
 from twin.simulation.simulate import simulate
 from twin.trajectory.end import Outcome
@@ -122,14 +123,16 @@ def test_on_the_level_and_uphill_the_pedal_is_not_touched(scenario):
     assert np.all(driven(scenario)["power_brake_w"] == 0.0)
 
 
-KNOWN = Brakes(mps_per_radps=0.01, pedal_per_mps2=0.15)
+KNOWN = Drivetrain(
+    gear_ratio=66.0, idle_rpm=800.0, no_load_rpm=2400.0, mps_per_radps=0.01, pedal_per_mps2=0.15
+)
 
 
-def after(seconds, engine_radps, asked_radps, foot=None):
-    foot = foot or Foot(asked_radps=asked_radps)
+def after(seconds, engine_radps, asked_radps, pedal=None):
+    pedal = pedal or BrakePedal(asked_radps=asked_radps)
     for _ in range(round(seconds / DT_S)):
-        foot = press(KNOWN, foot, engine_radps, asked_radps, DT_S)
-    return foot
+        pedal = press(KNOWN, pedal, engine_radps, asked_radps, DT_S)
+    return pedal
 
 
 def test_five_per_cent_are_left_to_the_engine():
@@ -137,7 +140,7 @@ def test_five_per_cent_are_left_to_the_engine():
     assert after(1.0, 1.10 * 170.0, 170.0).pedal > 0.0
 
 
-def test_the_foot_lags_behind_and_presses_the_harder_the_longer():
+def test_the_pedal_lags_behind_and_is_pressed_the_harder_the_longer():
     fast = 1.5 * 170.0
     pedals = [after(t, fast, 170.0).pedal for t in (0.02, 0.2, 0.5, 2.0, 60.0)]
     assert np.all(np.diff(pedals) >= 0.0)
@@ -149,30 +152,18 @@ def test_the_foot_lags_behind_and_presses_the_harder_the_longer():
 
 def test_a_throttle_that_is_closed_gives_the_engine_time():
     """The speed asked for falls by 0.5 m/s2: 50 rad/s2 in this gear."""
-    foot = after(0.5, 170.0, 100.0, Foot(asked_radps=170.0))
-    assert foot.asked_radps == pytest.approx(145.0)
-    assert after(2.0, 100.0, 100.0, Foot(asked_radps=170.0)).pedal == 0.0
-    assert after(0.02, 100.0, 170.0, Foot(asked_radps=100.0)).asked_radps == 170.0
-
-
-def test_many_feet_are_as_one():
-    rates, asked = np.array([150.0, 185.0, 240.0]), np.array([170.0, 170.0, 150.0])
-    many = Foot(*(np.zeros(3) for _ in range(4)))
-    for _ in range(50):
-        many = press(KNOWN, many, rates, asked, DT_S)
-    for i in range(3):
-        one = Foot()
-        for _ in range(50):
-            one = press(KNOWN, one, float(rates[i]), float(asked[i]), DT_S)
-        for name, value in vars(one).items():
-            assert getattr(many, name)[i] == value
+    pedal = after(0.5, 170.0, 100.0, BrakePedal(asked_radps=170.0))
+    assert pedal.asked_radps == pytest.approx(145.0)
+    assert after(2.0, 100.0, 100.0, BrakePedal(asked_radps=170.0)).pedal == 0.0
+    assert after(0.02, 100.0, 170.0, BrakePedal(asked_radps=100.0)).asked_radps == 170.0
 
 
 def test_a_driver_knows_his_gear_and_his_brakes():
     machine = bare_rig()
-    known = brakes(machine)
+    known = drivetrain(machine)
     mass_kg = float(machine.model.body("tractor").subtreemass[0])
     assert known.pedal_per_mps2 == pytest.approx(mass_kg * 0.8489 / 30e3, rel=1e-6)
     assert known.mps_per_radps == pytest.approx(0.8489 / 66.0)
-    assert set_radps(machine, np.array([0.0, 1.0])) * 30.0 / np.pi == pytest.approx([800.0, 2400.0])
+    asked = [governed_radps(known, throttle) for throttle in (0.0, 1.0, 7.0)]
+    assert np.array(asked) * 30.0 / np.pi == pytest.approx([800.0, 2400.0, 2400.0])
     assert asked_mps(machine) == pytest.approx(1665.0 * np.pi / 30.0 * 0.8489 / 66.0)

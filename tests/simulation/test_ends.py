@@ -10,12 +10,12 @@ from tests.simulation.rigs import BARE, PLOUGHING, bare_rig, field, soiled
 from twin.pipeline import named as registry
 from twin.scenario import Course, Drive, Plough
 from twin.simulation.build import build
-from twin.simulation.ends import LEFT_M, Moment, Watch, stance
+from twin.simulation.ends import LEFT_M, EndMonitor, Progress, stance
 from twin.simulation.simulate import simulate
 from twin.trajectory.end import LOOK_BACK_S, STUCK_SLIP, End, Outcome
 
 PERIOD_S = 0.02
-UPRIGHT = np.array([0.0, 0.0, 1.0])
+UPRIGHT = (0.0, 0.0, 1.0)
 
 
 def ended(scenario, **how):
@@ -29,7 +29,8 @@ def ended(scenario, **how):
 def leaning(roll_deg=0.0, pitch_deg=0.0):
     """The direction against gravity in the axes of a body that leans."""
     roll, pitch = np.radians([roll_deg, pitch_deg])
-    return np.array([-np.sin(pitch), np.cos(pitch) * np.sin(roll), np.cos(pitch) * np.cos(roll)])
+    up = -np.sin(pitch), np.cos(pitch) * np.sin(roll), np.cos(pitch) * np.cos(roll)
+    return tuple(map(float, up))
 
 
 PLATFORM = registry.load("scenario", "slope-18-dry")
@@ -136,14 +137,14 @@ def test_it_falls_where_the_plumb_line_leaves_the_wheels():
     assert stand.falls(leaning(pitch_deg=-(back + 0.1)))
     assert not stand.falls(leaning(pitch_deg=ahead - 0.1))
     assert stand.falls(leaning(pitch_deg=ahead + 0.1))
-    assert stand.falls(-UPRIGHT)
+    assert stand.falls((0.0, 0.0, -1.0))
 
 
 def watched(moments):
     """The first early end in moments, and its time; None where there is none."""
-    watch = Watch(bare_rig(), PERIOD_S)
+    monitor = EndMonitor(bare_rig(), PERIOD_S)
     for count, moment in enumerate(moments, start=1):
-        if (found := watch.look(moment)) is not None:
+        if (found := monitor.look(moment)) is not None:
             return found[0], count * PERIOD_S
     return None
 
@@ -152,7 +153,7 @@ def rolling(slip, time_s, rim_mps=2.0, left_m=0.0, follows=True, start_m=0.0, en
     """Moments of a drive with a slip that stays."""
     hub_mps = rim_mps * (1.0 - slip)
     return [
-        Moment(
+        Progress(
             along_m=start_m + hub_mps * PERIOD_S * i, left_m=left_m, follows=follows,
             up_b=UPRIGHT, rim_mps=rim_mps, hub_mps=hub_mps, engine_rpm=engine_rpm,
         )

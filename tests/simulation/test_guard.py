@@ -18,8 +18,9 @@ from twin.physics import block
 from twin.physics.block import Soil, Wheel
 from twin.scenario import Field, Patch
 from twin.simulation.build import build
-from twin.simulation.guard import FAILURE_FILE, STATES_FILE, Diverged, Tape, all_finite, replay
-from twin.simulation.simulate import DECISION_S, Cab, simulate
+from twin.simulation.guard import FAILURE_FILE, STATES_FILE, Diverged, StateRing, all_finite, replay
+from twin.simulation.simulate import simulate
+from twin.simulation.simulation import DECISION_S, Simulation
 
 LAW = """
 import math
@@ -112,9 +113,9 @@ def test_a_spoilt_parameter_is_caught_within_a_decision(what, tmp_path):
     at, says = SPOILT[what]
     machine = build(BARE)
     machine.model.numeric_data[machine.model.nnumericdata - block.SIZE + at] = np.nan
-    cab = Cab(machine)
+    simulation = Simulation(machine)
     with pytest.raises(Diverged) as caught:
-        cab.act()
+        simulation.advance()
     assert caught.value.evidence.failure.time_s == 0.0
     assert says in str(caught.value) or "wheel fl" in str(caught.value)
     seen = replay(left(caught.value, tmp_path / "failed"))
@@ -122,21 +123,21 @@ def test_a_spoilt_parameter_is_caught_within_a_decision(what, tmp_path):
 
 
 def test_a_state_that_is_no_number_names_its_joint():
-    cab = Cab(build(BARE))
-    cab.act()
-    cab.qvel[0, cab.machine.model.joint("rl_spin").dofadr[0]] = np.inf
+    simulation = Simulation(build(BARE))
+    simulation.advance()
+    simulation.qvel[0, simulation.machine.model.joint("rl_spin").dofadr[0]] = np.inf
     with pytest.raises(Diverged) as caught:
-        cab.act()
+        simulation.advance()
     assert caught.value.evidence.failure.time_s == pytest.approx(DECISION_S)
     assert "rl" in str(caught.value)
 
 
 def test_a_number_too_large_is_a_failure_too():
     """MuJoCo warns beyond 1e10, though it is finite."""
-    cab = Cab(build(BARE))
-    cab.qvel[0, 0] = 1e12
+    simulation = Simulation(build(BARE))
+    simulation.qvel[0, 0] = 1e12
     with pytest.raises(Diverged):
-        cab.act()
+        simulation.advance()
 
 
 def test_nothing_is_printed_and_no_log_is_written(law, tmp_path, capfd):
@@ -197,12 +198,13 @@ def test_the_error_travels_between_processes(law):
 
 
 @pytest.mark.parametrize("count", [0, 1, 49, 50, 51, 120])
-def test_the_tape_holds_the_last_states_in_order(count):
-    tape = Tape(2, 0.02)
-    for i in range(count):
-        tape.keep(np.array([i, -i], dtype=float))
-    first = max(0, count - 50)
-    assert np.array_equal(tape.states()[:, 0], np.arange(first, count))
+def test_the_ring_holds_the_last_states_of_each_in_order(count):
+    ring = StateRing((2, 3), 50)
+    for k in range(count):
+        ring.keep(np.array([[k, 0, 0], [-k, 0, 0]], dtype=float))
+    kept = np.arange(max(0, count - 50), count)
+    assert np.array_equal(ring.states()[:, 0], kept)
+    assert np.array_equal(ring.states(1)[:, 0], -kept)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e200])

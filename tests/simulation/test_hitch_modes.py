@@ -12,30 +12,38 @@ from twin.physics import block
 from twin.physics.block import MachineSlot, WheelSlot
 from twin.scenario import Course, Plough, Soil
 from twin.simulation.build import build
-from twin.simulation.driver import Hands, Observed, Task, drive, valve_radps
-from twin.simulation.simulate import Cab, simulate
+from twin.simulation.course_task import CONTROL_OF
+from twin.simulation.driver import DriverState, DriverTask, Observation, drive, full_depth_m
+from twin.simulation.driver import valve_radps as valve
+from twin.simulation.simulate import simulate
+from twin.simulation.simulation import Simulation
 
 DT_S = 0.02
-WORKING = Hands(lift_rad=0.1, felt_n=20e3, full_depth_at_m=6.0, working=True)
+WORKING = DriverState(lift_rad=0.1, felt_n=20e3, full_depth_at_m=6.0, working=True)
 MIX, SENSITIVITY_RAD = {"draft": 1.0, "mix": 0.3}, 0.08
 
 
 def task(mode, **set_to):
     usual = {
-        "wheelbase_m": 2.55, "approach_m": 5.0, "depth_m": 0.25, "raised_rad": 0.6,
-        "work_rad": 0.1, "throttle": 0.5, "hitch": mode, "mix": MIX.get(mode, 0.0),
+        "wheelbase_m": 2.55, "track_m": 1.8, "approach_m": 5.0, "depth_m": 0.25,
+        "full_depth_m": full_depth_m(0.25, mode), "raised_rad": 0.6, "work_rad": 0.1,
+        "throttle": 0.5, "hitch": CONTROL_OF[mode], "mix": MIX.get(mode, 0.0),
         "draft_n": 20e3, "sensitivity_rad": SENSITIVITY_RAD, "lowest_rad": -0.2,
     }  # fmt: skip
-    return Task(**(usual | set_to))
+    return DriverTask(**(usual | set_to))
+
+
+def valve_radps(task, hitch_rad, felt_n):
+    return valve(task, task.mix, hitch_rad, felt_n)
 
 
 def moved(mode, *, draft_n=20e3, depth_m=0.25, hitch_rad=0.1, seconds=0.2, **set_to):
     """How far the lift is moved while one draft, depth and angle of the links are seen."""
-    hands = replace(WORKING, felt_n=draft_n)
+    driver = WORKING._replace(felt_n=draft_n)
     for _ in range(round(seconds / DT_S)):
-        seen = Observed(20.0, 0.0, 0.0, depth_m, draft_n, hitch_rad)
-        hands = drive(task(mode, **set_to), hands, seen, DT_S)
-    return hands.lift_rad - WORKING.lift_rad
+        seen = Observation(20.0, 0.0, 0.0, depth_m, draft_n, hitch_rad)
+        driver = drive(task(mode, **set_to), driver, seen, DT_S)
+    return driver.lift_rad - WORKING.lift_rad
 
 
 def test_draft_control_raises_when_the_draft_rises_and_lowers_when_it_falls():
@@ -100,11 +108,11 @@ def test_depth_control_looks_at_the_depth_only():
 
 def test_ripple_of_shear_failure_moves_no_valve():
     """6 Hz of a tenth of the draft moves the lift by less than a millimetre at the links."""
-    hands, lifts = WORKING, []
+    driver, lifts = WORKING, []
     for k in range(100):
         draft = 20e3 * (1.0 + 0.1 * np.sin(2.0 * np.pi * 6.0 * k * DT_S))
-        hands = drive(task("draft"), hands, Observed(20.0, 0.0, 0.0, 0.25, draft, 0.1), DT_S)
-        lifts.append(hands.lift_rad)
+        driver = drive(task("draft"), driver, Observation(20.0, 0.0, 0.0, 0.25, draft, 0.1), DT_S)
+        lifts.append(driver.lift_rad)
     assert np.ptp(lifts[50:]) < 1e-3
 
 
@@ -113,14 +121,14 @@ def toughened(mode, factor):
     """Means before and after the soil's draft is scaled by a factor; 20 cm, even soil."""
     plough = Plough(depth_m=0.20, hitch=mode)
     course = Course(approach_m=3.0, length_m=60.0)
-    cab = Cab(build(replace(EVEN_PLOUGHING, plough=plough, course=course)))
-    parameters = cab.batch.expand("numeric_data")[:, -block.SIZE :]
+    simulation = Simulation(build(replace(EVEN_PLOUGHING, plough=plough, course=course)))
+    parameters = simulation.batch.expand("numeric_data")[:, -block.SIZE :]
     seen = []
     for decision in range(1400):
         if decision == 900:
             parameters[0, block.SOIL + block.Soil.DRAFT_SCALE] *= factor
-        cab.act()
-        slots = cab.userdata[0]
+        simulation.advance()
+        slots = simulation.slots[0]
         wheels = slots[: block.MACHINE_SLOTS].reshape(4, int(WheelSlot.SIZE))
         machine = slots[block.MACHINE_SLOTS :]
         seen.append(
@@ -129,19 +137,20 @@ def toughened(mode, factor):
                 machine[MachineSlot.DEPTH_M],
                 wheels[2:, WheelSlot.LOAD_N].sum(),
                 machine[MachineSlot.DEPTH_WHEEL_N],
-                cab.hands.lift_rad,
+                simulation.drivers["lift_rad"][0],
             ]
         )
     seen = np.array(seen)
     names = ("draft_n", "depth_m", "rear_n", "depth_wheel_n", "lift_rad")
     before, after = seen[800:900].mean(axis=0), seen[1300:].mean(axis=0)
-    return dict(zip(names, before, strict=True)), dict(zip(names, after, strict=True)), cab.task
+    held_n = float(simulation.tasks["draft_n"][0])
+    return dict(zip(names, before, strict=True)), dict(zip(names, after, strict=True)), held_n
 
 
 def test_draft_control_gives_harder_soil_less_depth_and_keeps_the_draft():
-    before, after, task = toughened("draft", 1.2)
-    assert before["draft_n"] == pytest.approx(task.draft_n, rel=0.02)
-    assert after["draft_n"] == pytest.approx(task.draft_n, rel=0.02)
+    before, after, held_n = toughened("draft", 1.2)
+    assert before["draft_n"] == pytest.approx(held_n, rel=0.02)
+    assert after["draft_n"] == pytest.approx(held_n, rel=0.02)
     assert after["depth_m"] < before["depth_m"] - 0.02
     assert after["lift_rad"] > before["lift_rad"] + 0.02
     assert before["depth_wheel_n"] == after["depth_wheel_n"] == 0.0
@@ -157,10 +166,10 @@ def test_the_mix_gives_way_by_a_part_of_it():
 
 
 def test_before_the_plough_is_at_work_it_is_lowered_at_the_drop_rate():
-    hands = replace(WORKING, lift_rad=0.6, felt_n=0.0, full_depth_at_m=math.inf)
+    driver = WORKING._replace(lift_rad=0.6, felt_n=0.0, full_depth_at_m=math.inf)
     for mode in ("position", "mix", "draft"):
-        seen = Observed(20.0, 0.0, 0.0, 0.0, 0.0, 0.6)
-        lift = drive(task(mode), hands, seen, DT_S).lift_rad
+        seen = Observation(20.0, 0.0, 0.0, 0.0, 0.0, 0.6)
+        lift = drive(task(mode), driver, seen, DT_S).lift_rad
         assert lift == pytest.approx(0.6 - 0.35 * DT_S)
 
 
@@ -216,11 +225,11 @@ def test_floating_the_lift_carries_nothing():
     scenario = replace(EVEN_PLOUGHING, plough=Plough(depth_m=0.15, hitch="float"))
     c = {n: v[-4000:] for n, v in driven(scenario).items()}
     assert not np.any(c["power_lift_w"])
-    cab = Cab(build(scenario))
+    simulation = Simulation(build(scenario))
     for _ in range(900):
-        cab.act()
-    lift = cab.machine.model.actuator("lift").id
-    assert cab.batch.get_data(0).actuator_force[lift] == 0.0
+        simulation.advance()
+    lift = simulation.machine.model.actuator("lift").id
+    assert simulation.batch.get_data(0).actuator_force[lift] == 0.0
     assert c["depth_wheel_n"].mean() > 10e3  # held by the lift it has about half of 17 kN
     assert c["depth_m"].mean() == pytest.approx(0.15, abs=0.004)
 

@@ -12,7 +12,7 @@ from twin.physics import block
 from twin.physics.block import WheelSlot
 from twin.scenario import Course, Field
 from twin.simulation.build import build
-from twin.simulation.simulate import Cab
+from twin.simulation.simulation import Simulation
 
 GROUNDS = {
     "10 cm edges": Field(height_map=edges(), map_cell_m=CELL_M),
@@ -28,8 +28,8 @@ def largest_change_n(field, timestep_s):
     """
     course = Course(approach_m=0.0, length_m=14.0)
     scenario = replace(BARE, field=field, course=course, timestep_s=timestep_s)
-    cab = Cab(build(scenario))
-    slots = np.concatenate([cab.act()["userdata"][0] for _ in range(300)])
+    simulation = Simulation(build(scenario))
+    slots = np.concatenate([simulation.advance()["userdata"][0] for _ in range(300)])
     wheels = slots[:, : block.MACHINE_SLOTS].reshape(len(slots), 4, -1)
     force_w = wheels[:, :, WheelSlot.SPRING_X_N : WheelSlot.SPRING_Z_N + 1]
     return np.linalg.norm(np.diff(force_w, axis=0), axis=2).max(axis=0)

@@ -6,7 +6,7 @@ import pytest
 
 from twin.cli import main
 from twin.validate import suite
-from twin.validate.check import within
+from twin.validate.check import Basis, within
 
 WORDS = {"source": "a law", "why": "because", "grade": "derived"}
 
@@ -16,8 +16,8 @@ def two_checks(monkeypatch):
     """The suite replaced by one row that passes and, where asked, one that fails."""
 
     def put(*, high):
-        first = within("one", "figure", 1.0, "m", high=2.0, **WORDS)
-        second = within("two", "figure", 1.0, "m", high=high, **WORDS)
+        first = within("one", "figure", 1.0, "m", high=2.0, basis=Basis(**WORDS))
+        second = within("two", "figure", 1.0, "m", high=high, basis=Basis(**WORDS))
         found = {layer: [] for layer in suite.LAYERS} | {"table": [first, second]}
         monkeypatch.setattr(suite, "checks", lambda **_: found)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from twin.validate import page, suite
-from twin.validate.check import Check, near, within
+from twin.validate.check import Basis, Check, near, within
 
 PAGE = Path(__file__).parents[2] / "VALIDATION.md"
 WORDS = {"source": "a law", "why": "because", "grade": "derived"}
@@ -19,11 +19,11 @@ def rows_of(text):
 
 
 def test_a_figure_passes_within_its_tolerance_and_not_beyond():
-    assert near("a", "b", 10.19, "N", 10.0, relative=0.02, **WORDS).passed
-    assert not near("a", "b", 10.21, "N", 10.0, relative=0.02, **WORDS).passed
-    assert near("a", "b", -10.19, "N", -10.0, relative=0.02, **WORDS).passed
-    assert not near("a", "b", float("nan"), "N", 10.0, relative=0.02, **WORDS).passed
-    assert not within("a", "b", 1.0, "N", high=0.9, **WORDS).passed
+    assert near("a", "b", 10.19, "N", 10.0, relative=0.02, basis=Basis(**WORDS)).passed
+    assert not near("a", "b", 10.21, "N", 10.0, relative=0.02, basis=Basis(**WORDS)).passed
+    assert near("a", "b", -10.19, "N", -10.0, relative=0.02, basis=Basis(**WORDS)).passed
+    assert not near("a", "b", float("nan"), "N", 10.0, relative=0.02, basis=Basis(**WORDS)).passed
+    assert not within("a", "b", 1.0, "N", high=0.9, basis=Basis(**WORDS)).passed
 
 
 def test_an_unknown_grade_is_refused():
@@ -32,8 +32,10 @@ def test_an_unknown_grade_is_refused():
 
 
 def test_the_page_says_what_fails_and_why():
-    bad = within("case|x", "quantity", 2.0, "mm", high=1.0, note="known reason", **WORDS)
-    good = near("other", "quantity", 1e-17, "1", 0.0, absolute=0.1, **WORDS)
+    bad = within(
+        "case|x", "quantity", 2.0, "mm", high=1.0, basis=Basis(note="known reason", **WORDS)
+    )
+    good = near("other", "quantity", 1e-17, "1", 0.0, absolute=0.1, basis=Basis(**WORDS))
     text = page.text({layer: [bad, good] for layer in suite.LAYERS})
     assert text.count("**FAIL**") == len(suite.LAYERS) == text.count("* A1: known reason.") * 7
     assert "14 rows: 7 pass, 7 fail" in text

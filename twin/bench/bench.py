@@ -17,7 +17,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import mujoco
 
@@ -25,7 +24,7 @@ from twin import sensors
 from twin.camera.tracking import ODOMETRY
 from twin.env import speed
 from twin.io import run_folder as runfolder
-from twin.io.result_rows import row
+from twin.io.result_rows import Rows, row
 from twin.machine.build import Machine
 from twin.machine.files import model_path
 from twin.machine.geometry import geometry
@@ -36,20 +35,20 @@ from twin.plugins.lookup import attribute
 from twin.reproduce import ima_pkf_speed
 from twin.scenario import Course, Field, Scenario, Soil
 from twin.simulation.build import build
-from twin.simulation.simulate import Cab
+from twin.simulation.simulation import Simulation
 from twin.streams import Streams
 
 STRETCHES, STEPS = 60, 200
 NO_SENSORS = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
 
 
-def rows() -> list[dict[str, Any]]:
+def rows() -> Rows:
     """All measurements, as rows with their bounds."""
     own = [*step_rows(), *estimator_rows(), *run_rows(), *camera_rows()]
     return [*own, *speed.rows(), *ima_pkf_speed.rows()]
 
 
-def step_rows() -> list[dict[str, Any]]:
+def step_rows() -> Rows:
     """Time of a step while ploughing, against MuJoCo's own contacts, and of what adds to it."""
     rough = load("scenario", "plough-25cm")
     grounds = {
@@ -73,17 +72,17 @@ def step_rows() -> list[dict[str, Any]]:
     ]
 
 
-def _ploughing(scenario: Scenario) -> tuple[Any, Any]:
+def _ploughing(scenario: Scenario) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """A ploughing machine at its depth, sensors off."""
-    cab = Cab(build(scenario))
-    while cab.observe().depth_m < 0.24:
-        cab.act()
-    model = cab.batch.get_model(0)
+    simulation = Simulation(build(scenario))
+    while simulation.seen["depth_m"][0] < 0.24:
+        simulation.advance()
+    model = simulation.batch.get_model(0)
     model.opt.disableflags = NO_SENSORS
-    return model, cab.batch.get_data(0)
+    return model, simulation.batch.get_data(0)
 
 
-def _native() -> tuple[Any, Any]:
+def _native() -> tuple[mujoco.MjModel, mujoco.MjData]:
     """The machine's scene as it stands in plain MuJoCo, settled, then rolling at 1.5 m/s."""
     spec = mujoco.MjSpec.from_file(str(model_path("taishan_1404a").parent / "scene.xml"))
     spec.compiler.discardvisual = True  # as ours is compiled: looks cost time and change nothing
@@ -108,7 +107,7 @@ def _best(*actions: Callable[[], None]) -> list[float]:
     return best
 
 
-def estimator_rows() -> list[dict[str, Any]]:
+def estimator_rows() -> Rows:
     """Time of the slip filter per wheel sample, compiled before, and the size of its state."""
     scenario = replace(load("scenario", "plough-25cm"), course=Course(length_m=60.0))
     done = run(scenario, estimators={})
@@ -129,7 +128,7 @@ def estimator_rows() -> list[dict[str, Any]]:
     ]
 
 
-def run_rows() -> list[dict[str, Any]]:
+def run_rows() -> Rows:
     """Speed and memory of a whole run, files written, imports and compiling done before."""
     scenario = load("scenario", "plough-25cm")
     with tempfile.TemporaryDirectory() as folder:
@@ -196,7 +195,7 @@ def whole_frames(calibration_m: float, odometry: str = "phase-ecc") -> Scenario:
     )
 
 
-def camera_rows() -> list[dict[str, Any]]:
+def camera_rows() -> Rows:
     """Pace of drawing and odometry together, time of odometry alone, and memory."""
     machine = build(whole_frames(0.0))
     _sense(replace(machine, scenario=replace(machine.scenario, course=Course(length_m=1.0))))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
 from twin.commands.tables import Column, print_table
 from twin.commands.terminal import waiting
+from twin.io.plain import Plain
 
 RANKS = {"published": 0, "reference": 2, "low": 3, "high": 3, "unit": 1, "passed": 0}
 """Column of a row -> its rank: the greatest is left out first, 0 never."""
@@ -34,7 +34,7 @@ def main(args: Sequence[str]) -> int:
     return 0
 
 
-def print_rows(measured: Sequence[Mapping[str, Any]]) -> None:
+def print_rows(measured: Sequence[Mapping[str, Plain]]) -> None:
     """Print rows as a table: case, quantity, value, promised value."""
     columns = [
         Column(heading=name, cells=[str(row[name]) for row in measured], text=True)
@@ -47,7 +47,7 @@ def print_rows(measured: Sequence[Mapping[str, Any]]) -> None:
     print_table(columns)
 
 
-def _text(value: Any) -> str:
+def _text(value: Plain) -> str:
     if value is None:
         return ""
     if isinstance(value, bool):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import tyro
 
@@ -14,6 +14,7 @@ from twin.commands.parse import parse
 from twin.commands.tables import Column, print_table
 from twin.commands.terminal import progress, say
 from twin.errors import UnknownName, check_range
+from twin.io.plain import Plain
 
 OBSERVATIONS = ("estimate", "truth")
 
@@ -70,7 +71,7 @@ def main(args: Sequence[str]) -> int:
     return 0
 
 
-def _report(found: Sequence[Mapping[str, Any]], options: CompareControllers) -> None:
+def _report(found: Sequence[Mapping[str, Plain]], options: CompareControllers) -> None:
     from twin.report import rows
 
     about = (
@@ -86,7 +87,9 @@ def _report(found: Sequence[Mapping[str, Any]], options: CompareControllers) -> 
     rows.write_intervals(options.report, "Slip controllers", about, found, command)
 
 
-def print_comparison(found: Sequence[Mapping[str, Any]], names: Sequence[str], count: int) -> None:
+def print_comparison(
+    found: Sequence[Mapping[str, Plain]], names: Sequence[str], count: int
+) -> None:
     """A line for each controller, a column for each quantity, mean and half its interval.
 
     Of the paired differences the reward's alone; the rows hold all.
@@ -112,5 +115,5 @@ def print_comparison(found: Sequence[Mapping[str, Any]], names: Sequence[str], c
     print_table(columns)
 
 
-def _cell(row: Mapping[str, Any] | None) -> str:
+def _cell(row: Mapping[str, Plain] | None) -> str:
     return "" if row is None else f"{row['ours']:.3f} ± {0.5 * (row['high'] - row['low']):.3f}"

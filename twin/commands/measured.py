@@ -7,15 +7,16 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from twin.commands.tables import Column, print_table
 from twin.io.atomic import moved_when_complete
+from twin.io.plain import Plain
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Columns = Mapping[str, Any]
+Columns = Mapping[str, Plain]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +76,7 @@ class Measured:
         )
 
 
-def _plain(value: Any) -> float | None:
+def _plain(value: Plain) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from twin.errors import BadInput
 from twin.io import result_rows as rows_file
+from twin.io.plain import Plain
 
 STDOUT = Path("-")
 """Value of `--json` without a file name."""
@@ -49,7 +49,7 @@ def check_folder(option: str, folder: Path | None) -> None:
         raise BadInput(f"--{option} {folder}: {existing} is a file, not a folder")
 
 
-def deliver(measured: Sequence[Mapping[str, Any]], path: Path | None) -> None:
+def deliver(measured: Sequence[Mapping[str, Plain]], path: Path | None) -> None:
     """Write the rows as `--json` asks."""
     if path == STDOUT:
         print(rows_file.to_json(measured))

@@ -7,13 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from twin.commands.bench import print_rows
 from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
 from twin.commands.terminal import counting, say
 from twin.errors import BadInput, UnknownName, check_range
+from twin.io.plain import Plain
 from twin.reproduce import ABOUT, REGISTRY, STORIES
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def main(args: Sequence[str]) -> int:
     return 0 if all(r.get("passed", True) for r in measured) else BROKEN_PROMISE
 
 
-def _said(name: str, measured: list[dict[str, Any]]) -> Story:
+def _said(name: str, measured: list[dict[str, Plain]]) -> Story:
     """The text of the experiment about its rows; its description where it has none."""
     from twin.reproduce.story import Story
 

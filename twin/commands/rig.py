@@ -1,4 +1,7 @@
-"""`twin rig wheel | drawbar | slope | park`: run a test rig; write CSV and a figure."""
+"""`twin rig wheel | drawbar | slope | park`: run a test rig; write CSV and a figure.
+
+One module, because the five rigs are options of one command.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +18,7 @@ from twin.commands.output import check_folder
 from twin.commands.parse import named_fields, parse
 from twin.commands.terminal import say, waiting
 from twin.errors import BadInput, UnknownName, check_range
+from twin.io.plain import Plain
 from twin.rig.drawbar import HITCH_M, STEP_N
 from twin.rig.gears import SPEEDS_KMH
 from twin.rig.park import PARKED_S
@@ -146,7 +150,7 @@ def _wheel(options: Wheel) -> Measured:
             indexing="ij",
         )
     )
-    given: dict[str, Any] = {"speed_mps": options.speed_mps, "radial": options.radial}
+    given: dict[str, Plain] = {"speed_mps": options.speed_mps, "radial": options.radial}
     tyre, soil = options.tyre, options.soil
     if not options.quiet:
         _warn(outside_range(tyre, soil, load_n=np.unique(load), radial=options.radial))

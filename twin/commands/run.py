@@ -21,7 +21,9 @@ from twin.commands.score_table import print_scores
 from twin.commands.terminal import progress, say
 from twin.errors import BadInput
 from twin.io.atomic import moved_when_complete
+from twin.io.plain import Plain
 from twin.pipeline import named as registry
+from twin.plugins.lookup import Thing
 
 if TYPE_CHECKING:
     from twin.pipeline.result import Result
@@ -56,7 +58,7 @@ def main(args: Sequence[str]) -> int:
     name, rest = _split(args)
     default = registry.load("scenario", name)
     options = parse(_with_overrides(default), rest, prog=f"twin run {name}")
-    scenario: Any = options.scenario  # type: ignore[attr-defined]
+    scenario: Thing = options.scenario  # type: ignore[attr-defined]
     command = f"twin run {shlex.join(args)}"
     result, directory = execute(scenario, options, command, named_fields(rest))
     if options.view:
@@ -67,7 +69,7 @@ def main(args: Sequence[str]) -> int:
 
 
 def execute(
-    scenario: Any, options: Options, command: str = "", named: Collection[str] = ()
+    scenario: Thing, options: Options, command: str = "", named: Collection[str] = ()
 ) -> tuple[Result, Path]:
     """Run one scenario and write its folder, whose report says the command; both are returned.
 
@@ -102,7 +104,7 @@ def status(result: Result) -> int:
     return 1 if result.failed else 0
 
 
-def _masked(scenario: Any, mask: tuple[float, float] | None) -> Any:
+def _masked(scenario: Thing, mask: tuple[float, float] | None) -> Any:
     """The scenario with one more scheduled fault of its receiver."""
     from twin.sensors import Outage
 
@@ -117,7 +119,7 @@ def _masked(scenario: Any, mask: tuple[float, float] | None) -> Any:
     return dataclasses.replace(scenario, sensors=dataclasses.replace(scenario.sensors, gnss=gnss))
 
 
-def _check_frames(scenario: Any, folder: Path | None) -> None:
+def _check_frames(scenario: Thing, folder: Path | None) -> None:
     if folder is None:
         return
     if getattr(getattr(scenario, "sensors", None), "camera", None) is None:
@@ -131,7 +133,7 @@ def _pngs(folder: Path | None) -> AbstractContextManager[Path | None]:
     return nullcontext() if folder is None else moved_when_complete(folder)
 
 
-def load_estimators(names: str) -> dict[str, Any]:
+def load_estimators(names: str) -> dict[str, Plain]:
     """Estimators by name from `a,b,module:Name`. Raises UnknownName, or BadInput for none."""
     wanted = [name.strip() for name in names.split(",") if name.strip()]
     if not wanted:

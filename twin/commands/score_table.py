@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 from twin.commands.tables import Column, print_table
 from twin.commands.terminal import say
+from twin.io.plain import Plain
 from twin.scores.table import HEADERS, RANKS, end_lines, score_rows
 
 
-def print_scores(scores: Mapping[str, Any]) -> None:
+def print_scores(scores: Mapping[str, Plain]) -> None:
     """Print how the run ended if not as planned, what was driven, and the scores."""
     for line in end_lines(scores):
         say(line, style="bold red")
@@ -26,7 +26,7 @@ def print_scores(scores: Mapping[str, Any]) -> None:
     )
 
 
-def _title(scores: Mapping[str, Any]) -> str:
+def _title(scores: Mapping[str, Plain]) -> str:
     truth, window = scores.get("truth") or {}, scores.get("window_s") or (0.0, 0.0)
     said = [str(scores.get("scenario"))]
     if scores.get("seed") is not None:

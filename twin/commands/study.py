@@ -1,4 +1,7 @@
-"""`twin study SCENARIOS`: do many runs and give means with intervals."""
+"""`twin study SCENARIOS`: do many runs and give means with intervals.
+
+One module, because options, work and what is shown belong to one command.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,9 @@ from twin.commands.parse import parse
 from twin.commands.tables import Column, print_table
 from twin.commands.terminal import progress, say
 from twin.errors import BadInput, check_range
+from twin.io.plain import Plain
 from twin.pipeline import named as registry
+from twin.plugins.lookup import Thing
 from twin.scores.table import COVERAGE
 from twin.studies.study import PARTS, PLAN, SUMMARY, TABLE, begin, finished
 from twin.studies.summary import differences_to, mean_of
@@ -122,7 +127,7 @@ def main(args: Sequence[str]) -> int:
     return 0
 
 
-def read_sweeps(given: Sequence[str], scenario: Any) -> dict[str, tuple[Any, ...]]:
+def read_sweeps(given: Sequence[str], scenario: Thing) -> dict[str, tuple[Any, ...]]:
     """`soil.friction=0.6,0.8` as path and values, read as that field of the scenario is.
 
     Raises:
@@ -236,7 +241,7 @@ def _report(done: Done, against: str | None) -> list[str]:
     return [REPORT]
 
 
-def _shown_rows(done: Done, quantity: str, less: str) -> list[dict[str, Any]]:
+def _shown_rows(done: Done, quantity: str, less: str) -> list[dict[str, Plain]]:
     """Rows of the summary in the unit of their heading, with the bound where it is known."""
     heading, scale, _ = SHOWN[quantity]
     _, _, bound = DRAWN.get(quantity, ("", 1.0, ""))

@@ -17,11 +17,11 @@ Told = Callable[[int, int], None]
 """Progress callback: calls done, calls in all."""
 
 
-def _nobody(done: int, total: int) -> None:
-    """No progress is shown."""
+def _no_progress(done: int, total: int) -> None:
+    """No-op progress callback."""
 
 
-_TOLD: ContextVar[Told] = ContextVar("told", default=_nobody)
+_TOLD: ContextVar[Told] = ContextVar("told", default=_no_progress)
 
 
 @contextmanager
@@ -43,7 +43,7 @@ def many(calls: Iterable[Result], jobs: int = 1) -> list[Result]:
     """
     calls, told = list(calls), _TOLD.get()
     told(0, len(calls))
-    with Counted(n_jobs=jobs) as parallel, telling(_nobody):  # of calls that a call makes
+    with Counted(n_jobs=jobs) as parallel, telling(_no_progress):  # of calls that a call makes
         if jobs != 1:
             _start(parallel)
         parallel.told = lambda done: told(done, len(calls))

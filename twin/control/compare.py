@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +10,7 @@ from scipy import stats
 
 from twin.control.controllers import Controller
 from twin.control.trials import ENVIRONMENTS, HELD_OUT, PULL_QUANTITIES, QUANTITIES, drive
-from twin.io.result_rows import row
+from twin.io.result_rows import Row, Rows, row
 
 Array = NDArray[np.float64]
 
@@ -34,7 +33,7 @@ def compare(
         episodes: grounds.
         duration_s: length of an episode.
         observation: what the controllers see; see `PloughEnv`.
-        progress: told the share done.
+        progress: called with the share done.
         environment: one of `ENVIRONMENTS`.
 
     Returns:
@@ -63,9 +62,7 @@ def interval(values: Array) -> tuple[float, float]:
     return mean - half, mean + half
 
 
-def rows(
-    measured: Mapping[str, Mapping[str, Array]], against: Sequence[str] = ("pi",)
-) -> list[dict[str, Any]]:
+def rows(measured: Mapping[str, Mapping[str, Array]], against: Sequence[str] = ("pi",)) -> Rows:
     """Means with their intervals, and the paired differences of each to some controllers.
 
     The interval stands in `low` and `high` of the row.
@@ -85,7 +82,7 @@ def rows(
     return out
 
 
-def _row(case: str, quantity: str, values: Array, unit: str) -> dict[str, Any]:
+def _row(case: str, quantity: str, values: Array, unit: str) -> Row:
     low, high = interval(values)
     made = dict(row(case, quantity, float(np.mean(values)), unit))
     return made | {"low": low, "high": high}

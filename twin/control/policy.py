@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -133,7 +134,7 @@ def added(task: Task, actions: Array, raw: Array) -> Array:
 class Policy:
     """A model of stable-baselines3 that adds to a base every `DECISION_S`."""
 
-    model: Any
+    model: mujoco.MjModel
     task: Task
 
     def init(self, count: int) -> Memory:

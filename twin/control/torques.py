@@ -6,7 +6,6 @@ torque = feed + law(target - slip), in [-1, 1] of the motor's
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -58,7 +57,7 @@ class TorquePI:
         integral = np.clip(state + gain * self.ki_ps * error * period_s, least, most)
         return integral, both(self.feed + gain * self.kp * error + integral)
 
-    def gain(self, seen: Seen) -> Any:
+    def gain(self, seen: Seen) -> Array | float:
         """Factor on both gains."""
         return 1.0
 
@@ -74,7 +73,7 @@ class ScheduledTorquePI(TorquePI):
 
     rate: Gain
 
-    def gain(self, seen: Seen) -> Any:
+    def gain(self, seen: Seen) -> Array | float:
         """Factor on both gains."""
         return np.exp(np.clip(-self.rate * wheel_errors(seen), -2.0, 2.0))
 

@@ -56,7 +56,7 @@ def drive(
         controller: what drives.
         seeds: of the grounds.
         duration_s: length of an episode.
-        progress: told the share done.
+        progress: called with the share done.
 
     Returns:
         The `QUANTITIES`, or the `PULL_QUANTITIES`, each of shape (grounds,).

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from gymnasium.spaces import Box
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from twin.env import observations
 from twin.env.fleet import Fleet, Start
-from twin.env.grounds import Ground, Lie, Recipe
+from twin.env.grounds import Ground, GroundShape, Recipe
 from twin.env.instruments import Instruments
 from twin.env.observations import Entry
+from twin.env.quantities import Ids
 from twin.env.starts import Starts
 from twin.errors import BadInput, UnknownName, check_range
 from twin.pipeline import named as registry
 from twin.pipeline.estimating import Estimator
 
 Array = NDArray[np.float64]
+Some: TypeAlias = Ids | slice
+"""Which tractors."""
+EVERY = slice(None)
 
 STALL_MPS, STALL_S = 0.05, 1.0
 """Slower than this for this long is a stall."""
@@ -50,17 +54,17 @@ class Episodes:
     def __init__(
         self,
         fleet: Fleet,
-        lies: Sequence[Lie],
+        shapes: Sequence[GroundShape],
         entries: tuple[Entry, ...],
         estimator: Estimator | None,
         *,
         seen: bool,
     ) -> None:
-        nsim, machine = len(fleet.steer_rad), fleet.machine
-        self.fleet, self.lies = fleet, lies
+        nsim, machine = len(fleet.state), fleet.machine
+        self.fleet, self.shapes = fleet, shapes
         nthread = fleet.batch.nthread
         self.starts = Starts(machine, seen=seen, nthread=nthread, kind=type(fleet))
-        self.starts.of(lies)
+        self.starts.of(shapes)
         self.instruments: list[Instruments] = []
         if seen:
             self.instruments = [Instruments(machine, estimator) for _ in range(nsim)]
@@ -75,7 +79,7 @@ class Episodes:
         """The terms of the reward by name, each of shape (nsim,)."""
         raise NotImplementedError
 
-    def task(self, ids: Any) -> dict[str, Any]:
+    def task(self, ids: Some) -> dict[str, ArrayLike]:
         """What every observation ends with, of some tractors."""
         raise NotImplementedError
 
@@ -85,7 +89,7 @@ class Episodes:
 
     def begin(self, ids: Sequence[int], grounds: Sequence[Ground]) -> None:
         """Begin the episodes of some tractors."""
-        starts = self.starts.of([ground.lie for ground in grounds])
+        starts = self.starts.of([ground.shape for ground in grounds])
         self.fleet.restore(ids, starts, grounds)
         self.begun |= zip(ids, zip(starts, grounds, strict=True), strict=True)
         self.standing_s[ids] = 0.0
@@ -114,9 +118,9 @@ class Episodes:
             total = total + value
         return total, {f"reward_{name}": value for name, value in terms.items()}
 
-    def observe(self, true: Mapping[str, Array], ids: Any = slice(None)) -> NDArray[np.float32]:
+    def observe(self, true: Mapping[str, Array], ids: Some = EVERY) -> NDArray[np.float32]:
         """What the controller of each tractor, or of some, sees now, (nsim, entries)."""
-        values: Mapping[str, Any] = true
+        values: Mapping[str, ArrayLike] = true
         if self.instruments:
             chosen = np.arange(len(self.instruments))[ids]
             each = [self.instruments[i].values() for i in chosen]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.random import Generator
@@ -30,17 +30,21 @@ PATCHES = (2, (3.0, 40.0), (2.0, 10.0), (0.7, 1.0), (0.6, 1.0))
 """Most patches drawn; ranges of start ahead and length [m], of friction and cone index factors."""
 FARTHEST_M = 1000.0
 """How far from the field's origin an episode may stand [m]."""
-LIES = 16
+SHAPE_COUNT = 16
 """How many slopes with furrows an episode draws from."""
-LIE = (*STEEPEST_DEG, "furrow_depth_m")
+SHAPE_FIELDS = (*STEEPEST_DEG, "furrow_depth_m")
 OPTIONS = (
     "soil.preset",
     *(f"soil.{name}" for name in SPREAD),
-    *(f"field.{name}" for name in LIE),
+    *(f"field.{name}" for name in SHAPE_FIELDS),
     "field.patches",
     "field.origin_m",
 )
 """What `reset`'s options may name; what is named is taken as it is, the rest is drawn."""
+
+
+Options: TypeAlias = dict[str, Any]
+"""Of `reset`, by the names in OPTIONS; users write them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +53,7 @@ class Recipe:
 
     presets: tuple[str, ...] = KINDS
     steepest_deg: Mapping[str, float] = field(default_factory=lambda: STEEPEST_DEG)
-    patches: tuple[Any, ...] = PATCHES
+    patches: tuple[int, *tuple[tuple[float, float], ...]] = PATCHES
     options: tuple[str, ...] = OPTIONS
 
 
@@ -64,7 +68,7 @@ ROLLED = Recipe(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Lie:
+class GroundShape:
     """How the field lies: what a tractor has to settle on before an episode."""
 
     cross_slope_deg: float = 0.0
@@ -83,9 +87,9 @@ class Ground:
 
     preset: str
     """The soil's."""
-    own: Mapping[str, Any]
+    own: Options
     """The soil's own numbers, those of `SPREAD`."""
-    lie: Lie
+    shape: GroundShape
     patches: tuple[Patch, ...]
     """Stretches of other soil, `start_m` ahead of the rear axle at the start."""
     origin_m: tuple[float, float]
@@ -100,12 +104,12 @@ class Ground:
         """The soil as a scenario has it."""
         return Soil(preset=self.preset, **self.own)
 
-    def info(self, recipe: Recipe = PLOUGHED) -> dict[str, Any]:
+    def info(self, recipe: Recipe = PLOUGHED) -> Options:
         """The ground by the names of the recipe's options."""
         known = {
             "soil.preset": self.preset,
             **{f"soil.{name}": value for name, value in self.own.items()},
-            **{f"field.{name}": getattr(self.lie, name) for name in LIE},
+            **{f"field.{name}": getattr(self.shape, name) for name in SHAPE_FIELDS},
             "field.patches": tuple(
                 (p.start_m, p.length_m, p.friction_factor, p.cone_index_factor)
                 for p in self.patches
@@ -115,7 +119,7 @@ class Ground:
         return {name: known[name] for name in recipe.options}
 
 
-def lies(depth_m: float, recipe: Recipe = PLOUGHED) -> tuple[Lie, ...]:
+def ground_shapes(depth_m: float, recipe: Recipe = PLOUGHED) -> tuple[GroundShape, ...]:
     """The slopes and furrows an episode draws from, the same for every seed; the first is level.
 
     Args:
@@ -123,17 +127,17 @@ def lies(depth_m: float, recipe: Recipe = PLOUGHED) -> tuple[Lie, ...]:
         recipe: how steep they are, and whether there is a furrow.
     """
     generator = np.random.default_rng(0)
-    drawn = [Lie(furrow_depth_m=depth_m)]
-    for _ in range(LIES - 1):
+    drawn = [GroundShape(furrow_depth_m=depth_m)]
+    for _ in range(SHAPE_COUNT - 1):
         slopes = {n: round(generator.uniform(-m, m), 1) for n, m in recipe.steepest_deg.items()}
         furrow_m = min(0.35, max(0.05, depth_m * generator.uniform(*FURROW_SPREAD)))
         if "field.furrow_depth_m" not in recipe.options:
             furrow_m = depth_m
-        drawn.append(Lie(furrow_depth_m=round(furrow_m, 3), **slopes))
+        drawn.append(GroundShape(furrow_depth_m=round(furrow_m, 3), **slopes))
     return tuple(drawn)
 
 
-def check_options(options: Mapping[str, Any] | None, recipe: Recipe = PLOUGHED) -> dict[str, Any]:
+def check_options(options: Options | None, recipe: Recipe = PLOUGHED) -> Options:
     """`reset`'s options, checked.
 
     Raises:
@@ -166,11 +170,11 @@ def check_options(options: Mapping[str, Any] | None, recipe: Recipe = PLOUGHED) 
 
 def draw(
     generator: Generator,
-    options: Mapping[str, Any],
-    choices: Sequence[Lie],
+    options: Options,
+    choices: Sequence[GroundShape],
     recipe: Recipe = PLOUGHED,
 ) -> Ground:
-    """A ground: soil, lie, patches, origin; options take a drawn value's place.
+    """A ground: soil, shape, patches, origin; options take a drawn value's place.
 
     The same number of draws is made whatever the options.
     """
@@ -182,8 +186,8 @@ def draw(
         drawn = getattr(PRESETS[preset], name) * _between(within, share)
         own_soil[name] = options.get(f"soil.{name}", drawn)
     pattern_seed, noise_seed = generator.integers(2**31, size=2).tolist()
-    lie = choices[int(generator.integers(len(choices)))]
-    own = {name: value for name, value in _part(options, "field.").items() if name in LIE}
+    shape = choices[int(generator.integers(len(choices)))]
+    own = {name: value for name, value in _part(options, "field.").items() if name in SHAPE_FIELDS}
     patches = _drawn_patches(generator, recipe)
     along, left = generator.random(2).tolist()
     origin_m = (
@@ -193,7 +197,7 @@ def draw(
     return Ground(
         preset=preset,
         own=own_soil,
-        lie=replace(lie, **own) if own else lie,
+        shape=replace(shape, **own) if own else shape,
         patches=options.get("field.patches", patches),
         origin_m=options.get("field.origin_m", origin_m),
         pattern_seed=pattern_seed,
@@ -235,7 +239,7 @@ def _patches(value: Any) -> tuple[Patch, ...]:
     )
 
 
-def _part(options: Mapping[str, Any], prefix: str) -> dict[str, Any]:
+def _part(options: Options, prefix: str) -> Options:
     return {n.removeprefix(prefix): v for n, v in options.items() if n.startswith(prefix)}
 
 

@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-Infos = dict[str, Any]
+Infos: TypeAlias = dict[str, Any]
 
 
 def columns(rows: Sequence[Infos], ids: Sequence[int], mask: NDArray[np.bool_]) -> Infos:
     """Infos of the tractors in the mask as arrays over all, as Gymnasium's `_add_info` fills."""
-    infos, told = Infos(), mask.copy()
+    infos, concerned = Infos(), mask.copy()
     for name, first in rows[0].items():
         column = np.zeros(len(mask)) if isinstance(first, float) else np.empty(len(mask), object)
-        infos[name], infos[f"_{name}"] = column, told
+        infos[name], infos[f"_{name}"] = column, concerned
     for i, row in zip(ids, rows, strict=True):
         for name, value in row.items():
             infos[name][i] = value
     return infos
 
 
-def add(infos: Infos, values: Mapping[str, Any], mask: NDArray[np.bool_]) -> None:
+def add(infos: Infos, values: Mapping[str, ArrayLike], mask: NDArray[np.bool_]) -> None:
     """Values of the tractors in the mask, 0 for the others, with the mask beside them."""
-    (ids,), told = mask.nonzero(), mask.copy()
+    (ids,), concerned = mask.nonzero(), mask.copy()
     all_values = np.zeros((len(values), len(mask)))
     for row, (name, value) in zip(all_values, values.items(), strict=True):
         row[ids] = value
-        infos[name], infos[f"_{name}"] = row, told
+        infos[name], infos[f"_{name}"] = row, concerned

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 from twin import sensors
 from twin.machine.build import Machine
 from twin.machine.geometry import geometry
 from twin.pipeline.estimating import Estimator
-from twin.simulation.columns import Recorder
+from twin.simulation.columns import Record, Recorder
 from twin.streams import COLUMNS, ESTIMATES, WHEELS, Streams, Table
 from twin.trajectory.trajectory import Trajectory
 
@@ -38,7 +37,7 @@ class Instruments:
         self.gnss_ns = 0
         self._see(approach)
 
-    def advance(self, records: Sequence[dict[Any, Any]]) -> None:
+    def advance(self, records: Sequence[Record]) -> None:
         """Take in what was recorded of one control step."""
         self._see(self.recorder.trajectory(records))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from twin.env import grounds
 from twin.env.episodes import Episodes, checked
+from twin.env.grounds import Options
 from twin.env.infos import Infos, add, columns
 from twin.env.rendering import FPS, Camera, Look
 from twin.errors import BadInput
@@ -27,7 +28,7 @@ Stepped = tuple[Observations, NDArray[np.float64], NDArray[np.bool_], NDArray[np
 class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPickle):
     """Episodes of many tractors side by side; a subclass says which."""
 
-    metadata: dict[str, Any] = {  # noqa: RUF012  Gymnasium's name
+    metadata: Infos = {  # noqa: RUF012  Gymnasium's name
         "render_modes": RENDER_MODES,
         "render_fps": FPS,
         "autoreset_mode": AutoresetMode.NEXT_STEP,
@@ -61,7 +62,7 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
         self,
         *,
         seed: int | Sequence[int | None] | None = None,
-        options: dict[str, Any] | None = None,
+        options: Options | None = None,
     ) -> tuple[Observations, Infos]:
         """Begin episodes of all tractors, or of those in the option `reset_mask`.
 
@@ -118,13 +119,13 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
             self.camera = Camera(self.look, fleet)
         return tuple(self.camera.of(fleet, i) for i in range(self.num_envs))
 
-    def close_extras(self, **kwargs: Any) -> None:
+    def close_extras(self, **kwargs: object) -> None:
         """Let go of the renderer."""
         if self.camera is not None:
             self.camera.close()
             self.camera = None
 
-    def _mask(self, mask: Any) -> NDArray[np.bool_]:
+    def _mask(self, mask: object) -> NDArray[np.bool_]:
         if mask is None:
             return np.ones(self.num_envs, dtype=np.bool_)
         if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
@@ -149,11 +150,11 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
             if own is not None or self.generators[i] is None:
                 self.generators[i] = seeding.np_random(own)[0]
 
-    def _begin(self, mask: NDArray[np.bool_], options: Mapping[str, Any]) -> Infos:
+    def _begin(self, mask: NDArray[np.bool_], options: Options) -> Infos:
         """New episodes of the tractors in the mask; their grounds as infos."""
         ids = np.flatnonzero(mask).tolist()
-        lies, recipe = self.episodes.lies, self.episodes.recipe
-        drawn = [grounds.draw(g, options, lies, recipe) for i in ids if (g := self.generators[i])]
+        shapes, recipe = self.episodes.shapes, self.episodes.recipe
+        drawn = [grounds.draw(g, options, shapes, recipe) for i in ids if (g := self.generators[i])]
         self.episodes.begin(ids, drawn)
         self.elapsed[mask], self.ended[mask] = 0, False
         return columns([ground.info(recipe) for ground in drawn], ids, mask)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from twin.streams import WHEELS
 
@@ -106,7 +105,7 @@ def space(entries: tuple[Entry, ...]) -> Box[np.float32]:
 
 
 def pack(
-    values: Mapping[str, Any], entries: tuple[Entry, ...], box: Box[np.float32], nsim: int
+    values: Mapping[str, ArrayLike], entries: tuple[Entry, ...], box: Box[np.float32], nsim: int
 ) -> NDArray[np.float32]:
     """Observations of shape (nsim, entries), clipped to the box.
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from twin.env import observations, reward
-from twin.env.episodes import Episodes, asked
+from twin.env.episodes import Episodes, Some, asked
 from twin.env.fleet import Fleet
-from twin.env.grounds import PLOUGHED, lies
+from twin.env.grounds import PLOUGHED, ground_shapes
 from twin.machine.fuel import fuel_lph
 from twin.scenario import Course, Plough, Scenario
 from twin.simulation.build import build
@@ -48,7 +47,7 @@ class Ploughing(Episodes):
         self.width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
         super().__init__(
             Fleet(machine, nsim, nthread),
-            lies(self.depth_m),
+            ground_shapes(self.depth_m),
             observations.MODES[observation],
             wanted,
             seen=observation != "truth",
@@ -58,11 +57,11 @@ class Ploughing(Episodes):
         """Work, efficiency, slip and depth; see `twin.env.reward.terms`."""
         return reward.terms(true, self.width_m, self.depth_m, self.slip_target)
 
-    def task(self, ids: Any) -> dict[str, Any]:
+    def task(self, ids: Some) -> dict[str, ArrayLike]:
         """Throttle and hitch in force, and the targets."""
         return {
             "throttle": self.actions[ids, 0],
-            "lift_set_rad": self.fleet.lift_rad[ids],
+            "lift_set_rad": self.fleet.drivers["lift_rad"][ids],
             "slip_target": self.slip_target,
             "depth_target_m": self.depth_m,
         }

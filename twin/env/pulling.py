@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from twin.env import observations, reward
-from twin.env.episodes import Episodes, asked
-from twin.env.grounds import ROLLED, lies
+from twin.env.episodes import Episodes, Some, asked
+from twin.env.grounds import ROLLED, ground_shapes
 from twin.env.torque_fleet import TorqueFleet, motors
 from twin.scenario import Course, Drive, Scenario, Soil
 from twin.sensors import Imu, Sensors
@@ -49,7 +48,7 @@ class Pulling(Episodes):
         )
         super().__init__(
             TorqueFleet(motors(build(scenario)), nsim, nthread),
-            lies(0.25, ROLLED),
+            ground_shapes(0.25, ROLLED),
             observations.TORQUE_MODES[observation],
             wanted,
             seen=observation != "truth",
@@ -59,7 +58,7 @@ class Pulling(Episodes):
         """Slip of each rear wheel, and sideslip; see `twin.env.reward.pulling_terms`."""
         return reward.pulling_terms(true, self.slip_target)
 
-    def task(self, ids: Any) -> dict[str, Any]:
+    def task(self, ids: Some) -> dict[str, ArrayLike]:
         """Torques in force, and the target."""
         left, right = self.actions[ids].T
         return {"torque_left": left, "torque_right": right, "slip_target": self.slip_target}

@@ -1,26 +1,24 @@
-"""What is true of each tractor at an instant, from the callback's slots and the MJCF's sensors.
+"""What is true of each tractor at an instant, by the laws of `twin.truth.motion`.
 
-The laws of `twin.truth`, for arrays of shape (nsim,) at one instant instead of a table in time, and
-tractor by tractor, so that one's numbers do not depend on how many stand beside it.
+Tractor by tractor, so that one's numbers do not depend on how many stand beside it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.physics.block import MachineSlot, WheelSlot
-from twin.physics.motion import MOTION, motions
 from twin.streams import WHEELS
-from twin.truth.truth import slip_ratio
+from twin.truth.motion import Wheels, driven_axle, ground_velocity, slip_ratio
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
-Vectors = Sequence[Array] | Array
 
-TOLD = {
+REPORTED = {
     **{f"slip_{wheel}": (i, WheelSlot.SLIP) for i, wheel in enumerate(WHEELS)},
     **{f"load_{wheel}_n": (i, WheelSlot.LOAD_N) for i, wheel in enumerate(WHEELS)},
     "depth_m": (len(WHEELS), MachineSlot.DEPTH_M),
@@ -30,38 +28,48 @@ TOLD = {
     "axle_torque_nm": (len(WHEELS), MachineSlot.AXLE_TORQUE_NM),
 }
 """What the callback reports as it is: after how many wheels, and which slot of theirs."""
-SLOTS = np.array([after * WheelSlot.SIZE + slot for after, slot in TOLD.values()])
+SLOTS = np.array([after * WheelSlot.SIZE + slot for after, slot in REPORTED.values()])
 
 
-def dot(a: Vectors, b: Vectors) -> Array:
-    """Scalar products, elementwise: components first, (3, nsim), (3, nsim) -> (nsim,)."""
-    product: Array = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-    return product
+class Reported(NamedTuple):
+    """What the machines' sensors and the callback report; views into the Batch."""
+
+    velocity_w: Array
+    """Velocity of the rear-axle centre (nsim, 3) [m/s]."""
+    world_from_body: Array
+    """Attitude, quaternions wxyz (nsim, 4)."""
+    normal_w: Array
+    """Normals of the ground planes (nsim, 3)."""
+    wheels: Wheels
+    slots: Array
+    """The callback's report, `userdata` (nsim, nuserdata)."""
+
+    def of(self, ids: Ids) -> Reported:
+        """The same of some."""
+        wheels = Wheels(*(values[ids] for values in self.wheels))
+        velocity, attitude, normal = (values[ids] for values in self[:3])
+        return Reported(velocity, attitude, normal, wheels, self.slots[ids])
 
 
-def ahead_w(world_from_body: Array) -> tuple[Array, Array, Array]:
-    """The body's x axis in the world. Quaternions wxyz (nsim, 4) -> (3, nsim)."""
-    w, x, y, z = world_from_body.T
-    return 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)
-
-
-def true(
-    ids: Ids, slots: Array, velocity_w: Array, world_from_body: Array, normal_w: Array, driven: Ids
-) -> dict[str, Array]:
-    """Speeds, slips, loads and forces of some tractors, each of shape (len(ids),).
+def true(reported: Reported, driven: Ids, ids: Ids | None = None) -> dict[str, Array]:
+    """Speeds, slips, loads and forces of the tractors, or of some. Shapes (nsim,) or (len(ids),).
 
     Args:
-        ids: which.
-        slots: the callback's report, `userdata` (nsim, nuserdata).
-        velocity_w: velocity of the rear-axle centre (nsim, 3) [m/s].
-        world_from_body: attitude, quaternions wxyz (nsim, 4).
-        normal_w: normals of the tractors' ground planes (nsim, 3).
+        reported: what is known of all.
         driven: places of the driven wheels in `twin.streams.WHEELS`.
+        ids: which tractors; None for all.
     """
-    rows = np.empty((len(MOTION) + len(SLOTS), len(ids)))
-    motions(ids, slots, velocity_w, world_from_body, normal_w, driven, SLOTS, rows)
-    out: dict[str, Array] = dict(zip((*MOTION, *TOLD), rows, strict=True))
-    return out | {"slip": slip_ratio(out["wheel_speed_mps"], out.pop("hub_mps"))}
+    now = reported if ids is None else reported.of(ids)
+    speed, v_y = ground_velocity(now.world_from_body, now.normal_w, now.velocity_w)
+    axle = driven_axle(now.wheels, driven)
+    out = {
+        "speed_mps": speed,
+        "v_y_rear_mps": v_y,
+        "wheel_speed_mps": axle.wheel_speed_mps,
+        "axle_radps": axle.axle_radps,
+        "slip": slip_ratio(axle.wheel_speed_mps, axle.hub_mps),
+    }
+    return out | dict(zip(REPORTED, now.slots.T[SLOTS], strict=True))
 
 
 def powers(true: Mapping[str, Array], least_w: float = 1e3) -> dict[str, Array]:

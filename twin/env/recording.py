@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, SupportsFloat
 
 import numpy as np
 from gymnasium import Env, Wrapper
 from numpy.typing import NDArray
 
 from twin import sensors, viz
+from twin.env.infos import Infos
 from twin.env.single import Observation, SingleEnv
 from twin.io.atomic import made
 from twin.io.run_folder import Record
@@ -41,9 +42,9 @@ class Recording(Wrapper[Observation, NDArray[np.float32], Observation, NDArray[n
         super().__init__(env)
         self.single: SingleEnv = env.unwrapped  # type: ignore[assignment]
         self.directory, self.number = directory, 0
-        self.moments: list[dict[str, Any]] = []
+        self.moments: list[Infos] = []
 
-    def reset(self, **arguments: Any) -> tuple[Observation, dict[str, Any]]:
+    def reset(self, **arguments: Any) -> tuple[Observation, Infos]:
         """As the environment's."""
         self._write()
         observation, info = super().reset(**arguments)
@@ -52,7 +53,7 @@ class Recording(Wrapper[Observation, NDArray[np.float32], Observation, NDArray[n
 
     def step(
         self, action: NDArray[np.float32]
-    ) -> tuple[Observation, Any, bool, bool, dict[str, Any]]:
+    ) -> tuple[Observation, SupportsFloat, bool, bool, Infos]:
         """As the environment's."""
         observation, reward, terminated, truncated, info = super().step(action)
         self._keep(observation, info)
@@ -65,11 +66,11 @@ class Recording(Wrapper[Observation, NDArray[np.float32], Observation, NDArray[n
         self._write()
         super().close()
 
-    def _keep(self, observation: Observation, info: dict[str, Any]) -> None:
+    def _keep(self, observation: Observation, info: Infos) -> None:
         """What this instant looks like."""
         episodes = self.single.episodes
         fleet, now = episodes.fleet, episodes.fleet.true()
-        moment: dict[str, Any] = {name: float(now[name][0]) for name in TOWED}
+        moment: Infos = {name: float(now[name][0]) for name in TOWED}
         moment |= {"sensordata": fleet.sensordata[0].copy(), "userdata": fleet.slots[0].copy()}
         moment |= zip(episodes.actions_named, episodes.actions[0], strict=True)
         names = [f"reward_{name}" for name in episodes.terms(now)]
@@ -107,7 +108,7 @@ class Recording(Wrapper[Observation, NDArray[np.float32], Observation, NDArray[n
             )
         self.number += 1
 
-    def _truth(self, columns: dict[str, NDArray[Any]]) -> Table:
+    def _truth(self, columns: Table) -> Table:
         """Truth at every control step."""
         episodes = self.single.episodes
         recorder = Recorder(episodes.fleet.machine)
@@ -126,6 +127,6 @@ class Recording(Wrapper[Observation, NDArray[np.float32], Observation, NDArray[n
         return replace(
             episodes.fleet.machine.scenario,
             soil=ground.soil,
-            field=replace(ground.lie.field(), patches=patches),
+            field=replace(ground.shape.field(), patches=patches),
             seed=ground.pattern_seed,
         )

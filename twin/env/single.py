@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from gymnasium import Env
 from gymnasium.error import ResetNeeded
@@ -12,6 +10,8 @@ from numpy.typing import NDArray
 
 from twin.env import grounds
 from twin.env.episodes import Episodes, checked
+from twin.env.grounds import Options
+from twin.env.infos import Infos
 from twin.env.rendering import FPS, Look, Screen, screen
 
 RENDER_MODES = ["rgb_array", "human"]
@@ -33,8 +33,8 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         self.running = False
 
     def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Observation, dict[str, Any]]:
+        self, *, seed: int | None = None, options: Options | None = None
+    ) -> tuple[Observation, Infos]:
         """Begin an episode on a new ground.
 
         Raises:
@@ -43,7 +43,7 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         recipe = self.episodes.recipe
         chosen = grounds.check_options(options, recipe)
         super().reset(seed=seed)
-        ground = grounds.draw(self.np_random, chosen, self.episodes.lies, recipe)
+        ground = grounds.draw(self.np_random, chosen, self.episodes.shapes, recipe)
         self.episodes.begin([0], [ground])
         self.running = True
         true = self.episodes.fleet.true()
@@ -51,9 +51,7 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         self._show()
         return self.episodes.observe(true)[0], info | ground.info(recipe)
 
-    def step(
-        self, action: NDArray[np.float32]
-    ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+    def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, Infos]:
         """Drive for 20 ms.
 
         Raises:

@@ -4,25 +4,24 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any
 
 import mujoco
 import numpy as np
 
 from twin.env.plough import PloughEnv
 from twin.env.vector import PloughVectorEnv
-from twin.io.result_rows import row
+from twin.io.result_rows import Row, Rows, row
 
 ACTION = np.array([0.3, 0.5], dtype=np.float32)
 SETTLE_STEPS, REPEATS = 100, 40
 
 
-def rows() -> list[dict[str, Any]]:
+def rows() -> Rows:
     """Rates of the environments over the physics' own, and the cost of one reset; on the truth."""
     return [_vector(256), _single(), _reset(1024)]
 
 
-def _vector(count: int) -> dict[str, Any]:
+def _vector(count: int) -> Row:
     env = PloughVectorEnv(count, observation="truth")
     env.reset(seed=0)
     actions = np.tile(ACTION, (count, 1))
@@ -35,7 +34,7 @@ def _vector(count: int) -> dict[str, Any]:
     )
 
 
-def _single() -> dict[str, Any]:
+def _single() -> Row:
     env = PloughEnv("truth")
     env.reset(seed=0)
     for _ in range(SETTLE_STEPS):
@@ -48,7 +47,7 @@ def _single() -> dict[str, Any]:
     return row("Plough-v0, one tractor", "rate over mj_step's", raw_s / own_s, "1", low=0.25)
 
 
-def _reset(count: int) -> dict[str, Any]:
+def _reset(count: int) -> Row:
     env = PloughVectorEnv(count, observation="truth")
     env.reset(seed=0)
     actions, mask = np.tile(ACTION, (count, 1)), np.arange(count) == 5
@@ -59,7 +58,7 @@ def _reset(count: int) -> dict[str, Any]:
     return row(case, "reset of one over a control step of all", reset_s / step_s, "1", high=0.01)
 
 
-def _best(*actions: Callable[[], Any], repeats: int = REPEATS) -> list[float]:
+def _best(*actions: Callable[[], object], repeats: int = REPEATS) -> list[float]:
     """Shortest time of each action [s], the actions taken in turn."""
     best = [float("inf")] * len(actions)
     for _ in range(repeats):

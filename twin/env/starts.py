@@ -7,13 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.env.fleet import RAISED_M, Axes, Fleet, Start, lift_rad
-from twin.env.grounds import Lie
+from twin.compute import quaternion
+from twin.env.fleet import RAISED_M, Fleet, GroundFrame, Start, lift_rad
+from twin.env.grounds import GroundShape
 from twin.machine.build import Machine
-from twin.machine.ground_frame import quaternion
 from twin.machine.start import RAISED_RAD
-from twin.physics import block
-from twin.simulation.braking import Foot
 from twin.simulation.columns import Recorder
 
 Array = NDArray[np.float64]
@@ -30,15 +28,15 @@ class Starts:
         self, machine: Machine, *, seen: bool, nthread: int = 1, kind: type[Fleet] = Fleet
     ) -> None:
         self.machine, self.seen, self.nthread, self.kind = machine, seen, nthread, kind
-        self.known: dict[Lie, Start] = {}
+        self.known: dict[GroundShape, Start] = {}
 
-    def of(self, lies: Sequence[Lie]) -> list[Start]:
-        """A start for each lie; those not known yet are settled side by side."""
-        new = [lie for lie in dict.fromkeys(lies) if lie not in self.known]
+    def of(self, shapes: Sequence[GroundShape]) -> list[Start]:
+        """A start for each shape; those not known yet are settled side by side."""
+        new = [shape for shape in dict.fromkeys(shapes) if shape not in self.known]
         if new:
             settled = settle(self.machine, new, self.seen, self.nthread, self.kind)
             self.known |= dict(zip(new, settled, strict=True))
-        found = [self.known[lie] for lie in lies]
+        found = [self.known[shape] for shape in shapes]
         while len(self.known) > MOST_KEPT:
             self.known.popitem()
         return found
@@ -46,7 +44,7 @@ class Starts:
 
 def settle(
     machine: Machine,
-    lies: Sequence[Lie],
+    shapes: Sequence[GroundShape],
     seen: bool,
     nthread: int = 1,
     kind: type[Fleet] = Fleet,
@@ -55,64 +53,49 @@ def settle(
 
     Args:
         machine: built on level ground.
-        lies: how the field lies under each tractor.
+        shapes: how the field lies under each tractor.
         seen: keep the approach.
         nthread: threads to roll on.
         kind: how the machine is driven.
     """
-    fleet = kind(machine, len(lies), nthread)
-    axes = [Axes.of(lie, machine.scenario.course) for lie in lies]
-    for i, lie in enumerate(lies):
-        fleet.lay(i, axes[i], lie.furrow_depth_m)
-        _place(fleet, i)
+    fleet = kind(machine, len(shapes), nthread)
+    frames = stand(fleet, shapes)
     for _ in range(round(SETTLE_S / fleet.period_s)):
-        fleet.drive(fleet.rolling(), record=False)
+        fleet.drive(fleet.steady(), record=False)
     steps = round(APPROACH_S / fleet.period_s)
-    records = [fleet.drive(fleet.rolling(), record=seen) for _ in range(steps)]
+    records = [fleet.drive(fleet.steady(), record=seen) for _ in range(steps)]
     starts = []
-    for i in range(len(lies)):
+    for i, frame in enumerate(frames):
         approach = None
         if seen:
             recorder = Recorder(machine)
-            recorder.normal = fleet.world_from_ground[i, :, 2]
+            recorder.normal = frame.world_from_ground[:, 2]
             own = [{k: v[i : i + 1] for k, v in r.items()} for r in records if r is not None]
             approach = recorder.trajectory(own)
-        along_m = float(fleet.qpos[i, :3] @ fleet.world_from_ground[i, :, 0])
-        foot = Foot(*(float(value[i]) for value in vars(fleet.foot).values()))
-        place = along_m, float(fleet.steer_rad[i]), float(fleet.lift_rad[i]), foot
-        first, second = fleet.rolling()[i].tolist()
-        state = fleet.batch.state[i].copy()
-        starts.append(Start(state, axes[i], approach, *place, (first, second)))
+        first, second = fleet.steady()[i].tolist()
+        start = Start(
+            state=fleet.state[i].copy(),
+            frame=frame,
+            approach=approach,
+            along_m=float(fleet.qpos[i, :3] @ frame.world_from_ground[:, 0]),
+            driver=fleet.drivers[i].copy(),
+            pedal=fleet.pedals[i].copy(),
+            action=(first, second),
+        )
+        starts.append(start)
     return starts
 
 
-def _place(fleet: Fleet, i: int) -> None:
-    """Stand a tractor, settled on level ground, on its slope and let it roll."""
-    machine, rotation = fleet.machine, fleet.world_from_ground[i]
-    model, speed = machine.model, machine.start_speed_mps
-    fleet.qpos[i], fleet.batch.bind("act")[i] = machine.start_qpos, machine.start_act
-    fleet.qpos[i, :3] = rotation @ machine.start_qpos[:3]
-    fleet.qpos[i, 3:7] = _times(quaternion(rotation), machine.start_qpos[3:7])
-    fleet.qvel[i, :3] = rotation @ np.array([speed, 0.0, 0.0])
-    for wheel in block.WHEELS:
-        axle = "front" if wheel[0] == "f" else "rear"
-        radius_m = machine.numbers[f"tyre_{axle}.free_rolling_radius_m"]
-        fleet.qvel[i, model.joint(f"{wheel}_spin").dofadr[0]] = speed / radius_m
-    rear_m = machine.numbers["tyre_rear.free_rolling_radius_m"]
-    fleet.qvel[i, model.joint("drive").dofadr[0]] = speed / rear_m
+def stand(fleet: Fleet, shapes: Sequence[GroundShape]) -> list[GroundFrame]:
+    """Stand each tractor, settled on level ground, on a slope of its own, and let it roll."""
+    machine = fleet.machine
+    frames = [GroundFrame.of(shape, machine.scenario.course) for shape in shapes]
+    for i, (frame, shape) in enumerate(zip(frames, shapes, strict=True)):
+        fleet.lay(i, frame, shape.furrow_depth_m)
+    fleet.start_rolling()
+    for i, frame in enumerate(frames):
+        fleet.qpos[i, :3] = frame.world_from_ground @ machine.start_qpos[:3]
+        fleet.qpos[i, 3:7] = quaternion.multiplied(frame.quaternion, machine.start_qpos[3:7])
     if machine.hitch is not None:
-        fleet.lift_rad[i] = max(RAISED_RAD, float(lift_rad(machine, RAISED_M)))
-
-
-def _times(p: Array, q: Array) -> Array:
-    """Product of two quaternions wxyz."""
-    a, b, c, d = p
-    w, x, y, z = q
-    return np.array(
-        [
-            a * w - b * x - c * y - d * z,
-            a * x + b * w + c * z - d * y,
-            a * y - b * z + c * w + d * x,
-            a * z + b * y - c * x + d * w,
-        ]
-    )
+        fleet.drivers["lift_rad"] = max(RAISED_RAD, float(lift_rad(machine, RAISED_M)))
+    return frames

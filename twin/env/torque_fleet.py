@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.compute.quaternion import cross, rotated, x_axis
 from twin.env.fleet import Fleet, Start
 from twin.env.grounds import Ground
-from twin.env.quantities import Ids, ahead_w, dot, powers
+from twin.env.quantities import Ids, powers, true
 from twin.machine.build import Machine
+from twin.simulation.driver import HitchControl
 
 Array = NDArray[np.float64]
 
@@ -27,7 +28,7 @@ START_MPS = 1.0
 SPEED_GAIN_PS = 2.0
 """Action per speed error, before an episode [s/m]."""
 LEAST_W = 10.0
-"""Power of both motors below which no efficiency is told [W]."""
+"""Power of both motors below which the efficiency counts as 0 [W]."""
 STANDING_MPS = 0.1
 """Below this the draft fades, so that it holds nothing the other way [m/s]."""
 
@@ -63,8 +64,10 @@ class TorqueFleet(Fleet):
     def __init__(self, machine: Machine, nsim: int = 1, nthread: int = 1) -> None:
         super().__init__(machine, nsim, nthread)
         model = machine.model
-        for name in ("torque_left", "torque_right"):
-            self.controls[name] = model.actuator(name).id
+        self.tasks["hitch"], self.tasks["throttle"] = HitchControl.RAISED, 0.0
+        self.tasks["clutch_pedal"], self.tasks["brakes"] = 1.0, False
+        self.tasks["differential_lock"] = self.tasks["front_drive"] = False
+        self.motors = [model.actuator(name).id for name in ("torque_left", "torque_right")]
         self.spins = [model.joint(f"{wheel}_spin").dofadr[0] for wheel in ("rl", "rr")]
         body = model.body("tractor").id
         self.pulled = self.batch.bind("xfrc_applied")[:, body]
@@ -81,56 +84,36 @@ class TorqueFleet(Fleet):
         self.torques[ids] = [start.action for start in starts]
         self.draft[ids] = self._draft()[ids]
 
-    def rolling(self) -> Array:
+    def steady(self) -> Array:
         """Hold the speed an episode begins with; both wheels alike."""
         error = START_MPS - self.speed_mps()
         wanted = np.minimum(1.0, np.maximum(-1.0, 0.35 + SPEED_GAIN_PS * error))
         return np.stack([wanted, wanted], axis=-1)
 
-    def levers(self, actions: Array) -> dict[str, Any]:
+    def act(self, actions: Array) -> None:
         """Torques of the rear wheels, the engine's own shaft free; the cultivator pulls."""
         self._pull()
         self.torques = actions.copy()
-        return {
-            "throttle": 0.0,
-            "clutch_pedal": 1.0,
-            "brake": 0.0,
-            "differential_lock": 0.0,
-            "front_drive": 0.0,
-            "torque_left": STALL_NM * actions[:, 0],
-            "torque_right": STALL_NM * actions[:, 1],
-        }
+        self.decide()
+        self.ctrl[:, self.motors] = STALL_NM * actions
 
     def true(self, ids: Ids | None = None) -> dict[str, Array]:
         """As a fleet's, with the cultivator's draft and the motors' torque."""
-        ids = self.everyone if ids is None else ids
-        torque = STALL_NM * self.torques[ids] - DRAG_NMSPM * self.qvel[ids][:, self.spins]
-        own = {"draft_n": self.draft[ids], "axle_torque_nm": torque[:, 0] + torque[:, 1]}
-        now = self.motion(ids) | own
+        some = slice(None) if ids is None else ids
+        torque = STALL_NM * self.torques[some] - DRAG_NMSPM * self.qvel[some][:, self.spins]
+        own = {"draft_n": self.draft[some], "axle_torque_nm": torque[:, 0] + torque[:, 1]}
+        now = true(self.reported, self.driven, ids) | own
         return now | powers(now, LEAST_W)
 
     def _draft(self) -> Array:
-        """The cultivator's draft at the speed of now, (nsim,)."""
-        return draft_n(self.draft_scale, dot(ahead_w(self.qpos[:, 3:7]), self.qvel[:, :3].T))
+        """The cultivator's draft at the speed of now. Shape (nsim,)."""
+        (ax, ay, az), (vx, vy, vz) = x_axis(*self.qpos[:, 3:7].T), self.velocity
+        return draft_n(self.draft_scale, ax * vx + ay * vy + az * vz)
 
     def _pull(self) -> None:
         """The cultivator's force for the next control step, moved to the body's centre of mass."""
-        quaternion = self.qpos[:, 3:7]
-        ahead, self.draft = np.stack(ahead_w(quaternion), axis=-1), self._draft()
+        attitude = self.qpos[:, 3:7]
+        ahead, self.draft = np.stack(x_axis(*attitude.T), axis=-1), self._draft()
         force = -self.draft[:, None] * ahead
-        arm = _turned(quaternion, self.arm_m)
-        self.pulled[:, :3], self.pulled[:, 3:] = force, _cross(arm, force)
-
-
-def _turned(quaternion: Array, vector: Array) -> Array:
-    """A body's vector in the world: wxyz (nsim, 4), (3,) -> (nsim, 3)."""
-    w, axis = quaternion[:, :1], quaternion[:, 1:]
-    across = 2.0 * _cross(axis, np.broadcast_to(vector, axis.shape))
-    out: Array = vector + w * across + _cross(axis, across)
-    return out
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """Vector product over the last axis, elementwise."""
-    (ax, ay, az), (bx, by, bz) = a.T, b.T
-    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+        self.pulled[:, :3] = force
+        self.pulled[:, 3:] = cross(rotated(attitude, self.arm_m), force)

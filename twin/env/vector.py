@@ -1,4 +1,7 @@
-"""The vector environments: all tractors in one Batch on all cores."""
+"""The vector environments: all tractors in one Batch on all cores.
+
+A constructor takes one keyword for each setting, because `gymnasium.make_vec` passes them so.
+"""
 
 from __future__ import annotations
 

@@ -5,9 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any, TypeAlias
 
 from twin.errors import BadInput
 from twin.io.atomic import write_text
+
+Row: TypeAlias = dict[str, Any]
+"""A measured figure by the keys below."""
+Rows: TypeAlias = list[Row]
 
 REQUIRED = ("case", "quantity", "ours")
 OPTIONAL = ("published", "reference", "low", "high", "unit", "passed")
@@ -23,10 +28,10 @@ def row(
     high: float | None = None,
     published: float | None = None,
     reference: float | None = None,
-) -> dict[str, object]:
+) -> Row:
     """One row; with a bound it says whether it passed (NaN does not)."""
     given = {"published": published, "reference": reference, "low": low, "high": high}
-    out: dict[str, object] = {"case": case, "quantity": quantity, "ours": ours, "unit": unit}
+    out: Row = {"case": case, "quantity": quantity, "ours": ours, "unit": unit}
     out |= {name: value for name, value in given.items() if value is not None}
     if low is not None or high is not None:
         above = low is None or ours >= low
@@ -49,7 +54,7 @@ def write(rows: Iterable[Mapping[str, object]], path: Path) -> None:
     write_text(path, to_json(rows) + "\n")
 
 
-def _checked(number: int, row: Mapping[str, object]) -> dict[str, object]:
+def _checked(number: int, row: Mapping[str, Any]) -> Row:
     missing = [key for key in REQUIRED if key not in row]
     if missing:
         raise BadInput(f"row {number} has no '{missing[0]}'; it needs {', '.join(REQUIRED)}")

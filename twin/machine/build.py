@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.compute import quaternion
 from twin.machine import memory
 from twin.machine.files import model_path
-from twin.machine.ground_frame import quaternion, world_from_ground
+from twin.machine.ground_frame import world_from_ground
 from twin.machine.hitch import Hitch
 from twin.machine.parameters import parameter_block, wheel_radii_m
 from twin.machine.plough_setting import (
@@ -40,7 +40,7 @@ class Machine:
     """A compiled machine on its ground, ready to run."""
 
     scenario: Scenario
-    model: Any
+    model: mujoco.MjModel
     """mujoco.MjModel with the parameter block."""
     numbers: dict[str, float]
     """The models' own <numeric> values by name."""
@@ -74,7 +74,7 @@ def assemble(
     *,
     looks: bool = False,
     setting: Setting | None = None,
-    dress: Callable[[Any], None] | None = None,
+    dress: Callable[[mujoco.MjSpec], None] | None = None,
 ) -> Machine:
     """Compile the machine of a scenario, put it at the start of its course, and install the laws.
 
@@ -136,13 +136,13 @@ def assemble(
     )  # fmt: skip
 
 
-def _leave_plough(spec: Any) -> None:
+def _leave_plough(spec: mujoco.MjSpec) -> None:
     spec.delete(spec.tendon("top_link"))  # first: it goes with the body it is tied to
     spec.delete(spec.body("plough.frame"))
 
 
 def _add_ground(
-    spec: Any, rotation: Array, maps: dict[str, GridMap], numbers: dict[str, float]
+    spec: mujoco.MjSpec, rotation: Array, maps: dict[str, GridMap], numbers: dict[str, float]
 ) -> None:
     """The plane that catches what is not a wheel, below all heights; and the maps."""
     for name, grid in maps.items():
@@ -150,21 +150,21 @@ def _add_ground(
     lowest_m, heights = 0.0, maps.get("heights")
     if heights is not None:
         lowest_m = float(heights.nodes.min())
-        show_heights(spec, heights, rotation, quaternion(rotation))
+        show_heights(spec, heights, rotation, quaternion.from_matrix(rotation))
         add_envelopes(spec, heights, wheel_radii_m(numbers))
     spec.worldbody.add_geom(
         name="ground",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=[0, 0, 1],
         pos=lowest_m * rotation[:, 2],
-        quat=quaternion(rotation),
+        quat=quaternion.from_matrix(rotation),
         contype=1,
         conaffinity=2,
         rgba=[0.48, 0.40, 0.27, 1.0],
     )
 
 
-def _fit_tractor(spec: Any, plough: Plough, numbers: dict[str, float]) -> None:
+def _fit_tractor(spec: mujoco.MjSpec, plough: Plough, numbers: dict[str, float]) -> None:
     """Weights on the tractor's front, which move its centre of gravity; the top link's hole."""
     spec.site("top_link_front").pos[2] -= plough.drop_m
     if plough.ballast_kg == 0.0:
@@ -180,7 +180,7 @@ def _fit_tractor(spec: Any, plough: Plough, numbers: dict[str, float]) -> None:
     )  # fmt: skip
 
 
-def _add_activations(spec: Any) -> None:
+def _add_activations(spec: mujoco.MjSpec) -> None:
     """One actuator that moves nothing and holds what the laws remember: `twin.machine.memory`."""
     shares = sum(site.name.startswith("plough.share_") for site in spec.sites)
     spec.add_actuator(
@@ -193,13 +193,13 @@ def _add_activations(spec: Any) -> None:
     )
 
 
-def _activation_count(spec: Any) -> int:
+def _activation_count(spec: mujoco.MjSpec) -> int:
     """How many activations the model will have, those of its own actuators too."""
     none = mujoco.mjtDyn.mjDYN_NONE
     return sum(max(1, a.actdim) for a in spec.actuators if a.dyntype != none)
 
 
-def _hitch(spec: Any) -> Hitch | None:
+def _hitch(spec: mujoco.MjSpec) -> Hitch | None:
     if spec.body("lower_links") is None:
         return None
     links, frame = spec.body("lower_links"), spec.frame("hitch")

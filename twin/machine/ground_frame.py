@@ -42,29 +42,3 @@ def world_from_ground(field: Field, course: Course) -> Array:
         ]
     )
     return about_z @ about_y @ about_x
-
-
-def quaternion(rotation: Array) -> Array:
-    """Unit quaternion wxyz of a rotation matrix (Shepperd's branch for the largest component)."""
-    r = rotation
-    squares = np.array(
-        [
-            1.0 + r[0, 0] + r[1, 1] + r[2, 2],
-            1.0 + r[0, 0] - r[1, 1] - r[2, 2],
-            1.0 - r[0, 0] + r[1, 1] - r[2, 2],
-            1.0 - r[0, 0] - r[1, 1] + r[2, 2],
-        ]
-    )
-    k = int(np.argmax(squares))
-    largest = math.sqrt(squares[k])
-    w, x, y = r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]
-    a, b, c = r[0, 1] + r[1, 0], r[0, 2] + r[2, 0], r[1, 2] + r[2, 1]
-    columns = np.array(
-        [
-            [squares[0], w, x, y],
-            [w, squares[1], a, b],
-            [x, a, squares[2], c],
-            [y, b, c, squares[3]],
-        ]
-    )
-    return np.asarray(0.5 * columns[k] / largest)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+import mujoco
 
 from twin.physics import block
 
@@ -23,13 +23,13 @@ def names(shares: int) -> tuple[str, ...]:
     )
 
 
-def address(model: Any, name: str) -> int:
+def address(model: mujoco.MjModel, name: str) -> int:
     """Place of an activation in mjData.act, whether there are shares or not."""
     first = int(model.actuator_actadr[model.actuator(ACTUATOR).id])
     return first + names(block.MOST_SHARES).index(name)
 
 
-def name_of(model: Any, k: int) -> str:
+def name_of(model: mujoco.MjModel, k: int) -> str:
     """What an activation is called, by its place in mjData.act."""
     for i in range(model.nu):
         first, count = int(model.actuator_actadr[i]), int(model.actuator_actnum[i])

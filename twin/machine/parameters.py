@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from enum import IntEnum
 
 import mujoco
 import numpy as np
@@ -14,7 +14,7 @@ from twin.errors import BadInput, OutOfRange
 from twin.machine import memory
 from twin.machine.tread import tread_part
 from twin.physics import block
-from twin.physics.block import Coupling, Engine, Envelope, Field, Head, Plough, Soil, Wheel
+from twin.physics.block import Coupling, Engine, Envelope, Field, Head, Part, Plough, Soil, Wheel
 from twin.physics.laws import law_number
 from twin.scenario import Plough as Setting
 from twin.scenario import Scenario
@@ -37,7 +37,7 @@ CONTROLS = {"clutch": "clutch_pedal", "lock": "differential_lock", "front_drive"
 
 def parameter_block(
     scenario: Scenario,
-    model: Any,
+    model: mujoco.MjModel,
     numbers: dict[str, float],
     rotation: Array,
     maps: Mapping[str, GridMap],
@@ -51,7 +51,7 @@ def parameter_block(
         Head.PLOUGH_BODY: body_id(model, "plough.frame"),
         Head.DEPTH_WHEEL_BODY: body_id(model, "plough.depth_wheel"),
     }
-    parts: list[tuple[int, dict[Any, float]]] = [
+    parts: list[tuple[int, Part]] = [
         (0, head),
         (block.FIELD, field_part(scenario, numbers, rotation)),
         (block.SOIL, soils(scenario)[0]),
@@ -82,7 +82,7 @@ def wheel_radii_m(numbers: dict[str, float]) -> tuple[float, ...]:
     return (*radii, numbers.get("plough.depth_wheel.radius_m", radii[0]))
 
 
-def soil_part(soil: Ground) -> dict[Any, float]:
+def soil_part(soil: Ground) -> Part:
     """The block's numbers of a soil."""
     preset = soil.resolved
     return {
@@ -107,7 +107,7 @@ def soil_part(soil: Ground) -> dict[Any, float]:
     }
 
 
-def soils(scenario: Scenario) -> tuple[dict[Any, float], dict[Any, float]]:
+def soils(scenario: Scenario) -> tuple[Part, Part]:
     """The block's numbers of the soil and of the other soil, each completed by the other's.
 
     Where they meet their numbers are mixed; one that was never measured takes no part in it.
@@ -120,7 +120,7 @@ def soils(scenario: Scenario) -> tuple[dict[Any, float], dict[Any, float]]:
     return own, other
 
 
-def _deformable_part(law: str, soil: Deformable | None, friction_scale: float) -> dict[Any, float]:
+def _deformable_part(law: str, soil: Deformable | None, friction_scale: float) -> Part:
     """What Bekker's law needs; under it, tan(phi) is the friction."""
     if soil is None:
         return {}
@@ -142,9 +142,9 @@ def _deformable_part(law: str, soil: Deformable | None, friction_scale: float) -
     }
 
 
-def field_part(scenario: Scenario, numbers: dict[str, float], rotation: Array) -> dict[Any, float]:
+def field_part(scenario: Scenario, numbers: dict[str, float], rotation: Array) -> Part:
     """Ground plane, furrow, patches and the other soil, as numbers of the block."""
-    out: dict[Any, float] = {Field.SEED: scenario.seed, Field.PASS_WAY: 1.0}
+    out: Part = {Field.SEED: scenario.seed, Field.PASS_WAY: 1.0}
     out |= {Field.OTHER + name: value for name, value in soils(scenario)[1].items()}
     for i, axis in enumerate((Field.AHEAD, Field.LEFT, Field.NORMAL)):
         out |= {axis + k: rotation[k, i] for k in range(3)}
@@ -180,7 +180,7 @@ def furrow_edge_m(numbers: dict[str, float], depth_m: float) -> float:
     return upright_m * cosine - 0.5 * numbers["tyre_rear.diameter_m"] * sine
 
 
-def body_id(model: Any, name: str) -> int:
+def body_id(model: mujoco.MjModel, name: str) -> int:
     """A body's number, -1 where there is none."""
     return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
 
@@ -191,14 +191,12 @@ def _number(numbers: dict[str, float], name: str) -> float:
     return numbers[name]
 
 
-def _named(numbers: dict[str, float], prefix: str, fields: tuple[Any, ...]) -> dict[Any, float]:
+def _named(numbers: dict[str, float], prefix: str, fields: tuple[IntEnum, ...]) -> Part:
     """Fields of a block part from the numerics `prefix.<field in lower case>`."""
     return {f: _number(numbers, f"{prefix}.{f.name.lower()}") for f in fields}
 
 
-def _wheel(
-    model: Any, wheel: str, numbers: dict[str, float], front_grip: float
-) -> dict[Any, float]:
+def _wheel(model: mujoco.MjModel, wheel: str, numbers: dict[str, float], front_grip: float) -> Part:
     axle = "front" if wheel[0] == "f" else "rear"
     sizes = tuple(f for f in Wheel if Wheel.WIDTH_M <= f <= Wheel.NOMINAL_LOAD_N)
     named = _named(numbers, f"tyre_{axle}", sizes)
@@ -215,7 +213,7 @@ def _wheel(
     }
 
 
-def _engine(scenario: Scenario, model: Any, numbers: dict[str, float]) -> dict[Any, float]:
+def _engine(scenario: Scenario, model: mujoco.MjModel, numbers: dict[str, float]) -> Part:
     own = tuple(f for f in Engine if f < Engine.GEAR_RATIO)
     return {
         **_named(numbers, "engine", own),
@@ -228,8 +226,8 @@ def _engine(scenario: Scenario, model: Any, numbers: dict[str, float]) -> dict[A
 
 
 def _coupling(
-    model: Any, name: str, numbers: dict[str, float], gear_ratio: float
-) -> dict[Any, float]:
+    model: mujoco.MjModel, name: str, numbers: dict[str, float], gear_ratio: float
+) -> Part:
     kind = name.removesuffix("_rl").removesuffix("_rr")
     sizes = (Coupling.CAPACITY_NM, Coupling.WINDUP_RAD, Coupling.DAMPING_S)
     own = _named(numbers, kind, sizes)
@@ -242,7 +240,7 @@ def _coupling(
     }
 
 
-def _plough(model: Any, numbers: dict[str, float], setting: Setting) -> dict[Any, float]:
+def _plough(model: mujoco.MjModel, numbers: dict[str, float], setting: Setting) -> Part:
     """The plough's numbers; its shares are where `twin.machine.turned` has set them."""
     laws = tuple(f for f in Plough if f < Plough.WHEEL_RADIUS_M)
     wheel = tuple(f for f in Plough if Plough.WHEEL_RADIUS_M <= f < Plough.SOIL_STIFFNESS_NPM)
@@ -257,7 +255,7 @@ def _plough(model: Any, numbers: dict[str, float], setting: Setting) -> dict[Any
     return out
 
 
-def _bodies(model: Any, bodies: float) -> int:
+def _bodies(model: mujoco.MjModel, bodies: float) -> int:
     """How many bodies a plough has; refused where the block or the model has no place for them."""
     if bodies != int(bodies) or not 1 <= bodies <= block.MOST_SHARES:
         raise OutOfRange(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
+import mujoco
 import numpy as np
 
 from twin.machine.hitch import FLOAT_RAD, Hitch
@@ -69,7 +69,7 @@ class Mounted:
         return self.hitch.plough_point(lift_rad, self.top_length_m, self.points[name])
 
 
-def furrow_roll_rad(scenario: Scenario, spec: Any) -> float:
+def furrow_roll_rad(scenario: Scenario, spec: mujoco.MjSpec) -> float:
     """Roll of the tractor in the furrow, atan(depth / track); positive lowers the right side."""
     if scenario.plough is None:
         return 0.0
@@ -84,7 +84,7 @@ def levelled(roll_rad: float) -> list[float]:
 
 
 def mounted(
-    model: Any,
+    model: mujoco.MjModel,
     plough: Plough,
     draft_scale: float,
     numbers: dict[str, float],
@@ -123,7 +123,7 @@ def by_geometry(here: Mounted) -> Setting:
     return Setting(here.work_rad, lowest_rad, here.draft_n, sag_m)
 
 
-def set_plough(model: Any, here: Mounted, setting: Setting) -> None:
+def set_plough(model: mujoco.MjModel, here: Mounted, setting: Setting) -> None:
     """Set top link and depth wheel of a compiled model."""
     numbers = here.numbers
     model.tendon_lengthspring[model.tendon("top_link").id] = here.top_length_m

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.machine.ground_frame import quaternion
+from twin.compute import quaternion
 from twin.machine.hitch import Hitch
 from twin.physics import block
 from twin.scenario import Scenario
@@ -49,13 +49,13 @@ class Settled:
     """Load of each wheel. Shape (4,)."""
 
 
-def unsettled(model: Any, qpos: Array) -> Settled:
+def unsettled(model: mujoco.MjModel, qpos: Array) -> Settled:
     """The machine where it was put: no tyre is wound up, and no load is known."""
     return Settled(qpos, np.zeros(model.na), np.full(len(block.WHEELS), np.nan))
 
 
 def standing(
-    model: Any,
+    model: mujoco.MjModel,
     scenario: Scenario,
     rotation: Array,
     hitch: Hitch | None,
@@ -71,7 +71,7 @@ def standing(
         upright = rotation @ lean
     axle_m = float(model.body("tractor").pos[2])
     qpos[:3] = rotation @ np.array([0.0, left_m, raised_m]) + axle_m * upright[:, 2]
-    qpos[3:7] = quaternion(upright)
+    qpos[3:7] = quaternion.from_matrix(upright)
     if hitch is None:
         return np.asarray(qpos, dtype=np.float64)
     qpos[model.joint("lift").qposadr[0]] = raised_rad(scenario)
@@ -82,7 +82,7 @@ def standing(
     return np.asarray(qpos, dtype=np.float64)
 
 
-def _lean(model: Any, heights: GridMap, left_m: float) -> tuple[Array, float]:
+def _lean(model: mujoco.MjModel, heights: GridMap, left_m: float) -> tuple[Array, float]:
     """Rotation that lays the machine on the plane through its wheels' places, and its height.
 
     Raised until none of them is below the ground.

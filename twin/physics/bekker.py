@@ -8,6 +8,8 @@ Sources: Bekker 1969, Introduction to Terrain-Vehicle Systems; Janosi & Hanamoto
 Wong 2008, Theory of Ground Vehicles, chapter 2, for all of these. Lyasko 2010, J. Terramechanics
 47(1):21 for slip sinkage; Ishigami, Nagatani & Yoshida 2007, J. Field Robotics 24(3):233 for the
 side force as shear and bulldozing.
+
+One module, because the integrals over the arc share their quadrature and their derivation.
 """
 
 from __future__ import annotations

@@ -9,6 +9,10 @@ from.
 from __future__ import annotations
 
 from enum import IntEnum
+from typing import Any, TypeAlias
+
+Part: TypeAlias = dict[Any, float]
+"""Numbers of a part of the block, by the places of one of the enumerations below."""
 
 MAGIC = 7.714e38
 """First number of the block; a model without it is left alone, bit for bit."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 import llvmlite.binding
 import numpy as np
@@ -15,8 +16,8 @@ from numba.core.typing.context import BaseContext as TypingContext
 from numba.core.typing.templates import Signature
 from numba.extending import intrinsic
 
-from twin.physics.memory import Intrinsic
-
+Intrinsic: TypeAlias = tuple[Signature, Callable[..., ir.Value]]
+"""What numba takes of an intrinsic: its signature, and what generates its code."""
 MOST_LAWS = 32
 TABLE = np.zeros((MOST_LAWS, 2), dtype=np.int64)
 """Number and function address of each law; zero beyond the last."""

@@ -31,7 +31,7 @@ from twin.physics.brixius import brixius
 from twin.physics.law_table import MOST_LAWS, SIGNATURE, TABLE, call, frozen, table_pointer
 from twin.physics.shapes import Array, Forces
 from twin.plugins.failing import WRITES
-from twin.plugins.lookup import attribute
+from twin.plugins.lookup import attribute, words
 from twin.scenario.soils import LAWS
 
 BRIXIUS, BEKKER = float(LAWS.index("brixius")), float(LAWS.index("bekker"))
@@ -106,9 +106,10 @@ def _compile(function: Callable[..., Forces], name: str) -> CFunc:
 
         return numba.cfunc(SIGNATURE)(entry)
     except Exception as error:  # whatever numba says of a user's function
-        said = [n for n in str(error).splitlines() if n and not n.startswith("Failed in nopython")]
+        text = words(error)
+        said = [n for n in text.splitlines() if n and not n.startswith("Failed in nopython")]
         reason = said[0] if said else type(error).__name__
-        if WRITES.search(str(error)):
+        if WRITES.search(text):
             reason = "it writes to the soil or the wheel, which are the model's; x = soil.copy()"
         raise BadInput(f"soil law '{name}' cannot be compiled: {reason}") from None
 

@@ -2,80 +2,57 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from llvmlite import ir
 from numba import types
-from numba.core.base import BaseContext
-from numba.core.typing.context import BaseContext as TypingContext
-from numba.core.typing.templates import Signature
 from numba.extending import intrinsic
 
-Intrinsic: TypeAlias = tuple[Signature, Callable[..., ir.Value]]
-"""What numba takes of an intrinsic: its signature, and what generates its code."""
+from twin.compute.compiled import Untyped
+
+Pointer: TypeAlias = Any
+"""The address of an mjModel or mjData, or of numbers in one: Python has no type for it."""
 
 
-def _load(builder: ir.IRBuilder, base: ir.Value, offset: ir.Value, kind: ir.Type) -> ir.Value:
-    at = builder.add(builder.ptrtoint(base, ir.IntType(64)), offset)
-    return builder.load(builder.inttoptr(at, kind.as_pointer()))
+def _reader(kind: ir.Type, number: types.Type, what: str) -> Untyped:
+    """What reads a value of a kind, stored so many bytes into a struct."""
+
+    @intrinsic
+    def read(typing_context: Untyped, base: Untyped, offset: Untyped) -> Untyped:
+        def codegen(
+            context: Untyped, builder: Untyped, signature: Untyped, args: Untyped
+        ) -> Pointer:
+            at = builder.add(builder.ptrtoint(args[0], ir.IntType(64)), args[1])
+            return builder.load(builder.inttoptr(at, kind.as_pointer()))
+
+        return number(types.voidptr, types.intp), codegen
+
+    read.__doc__ = what
+    return read
 
 
-@intrinsic
-def doubles(typing_context: TypingContext, base: types.Type, offset: types.Type) -> Intrinsic:
-    """The `double*` stored `offset` bytes into the struct at `base`."""
-
-    def codegen(
-        context: BaseContext, builder: ir.IRBuilder, signature: Signature, args: Sequence[ir.Value]
-    ) -> ir.Value:
-        return _load(builder, args[0], args[1], ir.DoubleType().as_pointer())
-
-    return types.CPointer(types.float64)(types.voidptr, types.intp), codegen
-
-
-@intrinsic
-def floats(typing_context: TypingContext, base: types.Type, offset: types.Type) -> Intrinsic:
-    """The `float*` stored `offset` bytes into the struct at `base`."""
-
-    def codegen(
-        context: BaseContext, builder: ir.IRBuilder, signature: Signature, args: Sequence[ir.Value]
-    ) -> ir.Value:
-        return _load(builder, args[0], args[1], ir.FloatType().as_pointer())
-
-    return types.CPointer(types.float32)(types.voidptr, types.intp), codegen
-
-
-@intrinsic
-def ints(typing_context: TypingContext, base: types.Type, offset: types.Type) -> Intrinsic:
-    """The `int*` stored `offset` bytes into the struct at `base`."""
-
-    def codegen(
-        context: BaseContext, builder: ir.IRBuilder, signature: Signature, args: Sequence[ir.Value]
-    ) -> ir.Value:
-        return _load(builder, args[0], args[1], ir.IntType(32).as_pointer())
-
-    return types.CPointer(types.int32)(types.voidptr, types.intp), codegen
-
-
-@intrinsic
-def size(typing_context: TypingContext, base: types.Type, offset: types.Type) -> Intrinsic:
-    """The 64-bit count (mjtSize) stored `offset` bytes into the struct at `base`."""
-
-    def codegen(
-        context: BaseContext, builder: ir.IRBuilder, signature: Signature, args: Sequence[ir.Value]
-    ) -> ir.Value:
-        return _load(builder, args[0], args[1], ir.IntType(64))
-
-    return types.int64(types.voidptr, types.intp), codegen
-
-
-@intrinsic
-def double(typing_context: TypingContext, base: types.Type, offset: types.Type) -> Intrinsic:
-    """The double stored `offset` bytes into the struct at `base`."""
-
-    def codegen(
-        context: BaseContext, builder: ir.IRBuilder, signature: Signature, args: Sequence[ir.Value]
-    ) -> ir.Value:
-        return _load(builder, args[0], args[1], ir.DoubleType())
-
-    return types.float64(types.voidptr, types.intp), codegen
+doubles = _reader(
+    ir.DoubleType().as_pointer(),
+    types.CPointer(types.float64),
+    "The `double*` stored `offset` bytes into the struct at `base`.",
+)
+floats = _reader(
+    ir.FloatType().as_pointer(),
+    types.CPointer(types.float32),
+    "The `float*` stored `offset` bytes into the struct at `base`.",
+)
+ints = _reader(
+    ir.IntType(32).as_pointer(),
+    types.CPointer(types.int32),
+    "The `int*` stored `offset` bytes into the struct at `base`.",
+)
+size = _reader(
+    ir.IntType(64),
+    types.int64,
+    "The 64-bit count (mjtSize) stored `offset` bytes into the struct at `base`.",
+)
+double = _reader(
+    ir.DoubleType(),
+    types.float64,
+    "The double stored `offset` bytes into the struct at `base`.",
+)

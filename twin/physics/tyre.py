@@ -1,4 +1,7 @@
-"""One wheel on the ground: its springs, its tread's deflections, and the soil law's forces."""
+"""One wheel on the ground: its springs, its tread's deflections, and the soil law's forces.
+
+One module, because slip, shear and load of a tyre are one set of equations.
+"""
 
 from __future__ import annotations
 

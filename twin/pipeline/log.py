@@ -11,6 +11,7 @@ import numpy as np
 
 from twin import logs
 from twin.io import run_folder
+from twin.io.plain import Plain
 from twin.logs import Log, Reader
 from twin.pipeline import log_check
 from twin.pipeline.estimating import Estimator, all_estimates
@@ -63,9 +64,11 @@ def estimate(
     )
 
 
-def findings(log: Log, estimates: Mapping[str, Table], steady: SteadySlip | None) -> dict[str, Any]:
+def findings(
+    log: Log, estimates: Mapping[str, Table], steady: SteadySlip | None
+) -> dict[str, Plain]:
     """The slip of each estimator while driving and, where the map has the rules, steady work."""
-    found: dict[str, Any] = {"slip": {n: slip_summary(t) for n, t in estimates.items()}}
+    found: dict[str, Plain] = {"slip": {n: slip_summary(t) for n, t in estimates.items()}}
     if steady is None:
         return found
     found["steady_slip"] = {n: steady_summary(log, t) for n, t in estimates.items()}

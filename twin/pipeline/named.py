@@ -10,11 +10,10 @@ import importlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from twin.errors import BadInput, TwinError, UnknownName
 from twin.io.plain import from_plain
-from twin.plugins.lookup import attribute, line
+from twin.plugins.lookup import Thing, attribute, line
 from twin.scenario import Scenario
 
 PACKAGES = {"scenario": "scenarios", "estimator": "estimators"}
@@ -26,7 +25,7 @@ def names(kind: str) -> list[str]:
     return sorted(_registry(kind))
 
 
-def load(kind: str, spec: str) -> Any:
+def load(kind: str, spec: str) -> Thing:
     """The thing a registered name or a `module:Name` stands for.
 
     `module:` alone means the module itself. The working directory is added to the end of the
@@ -50,7 +49,7 @@ def load(kind: str, spec: str) -> Any:
     return checked(kind, spec, attribute(kind, spec))
 
 
-def checked(kind: str, name: str, found: Any) -> Any:
+def checked(kind: str, name: str, found: Thing) -> Thing:
     """The thing itself where it is one of its kind; a class is made into an instance.
 
     Raises:
@@ -75,7 +74,7 @@ def _file(spec: str) -> Path | None:
     return path if path.suffix == ".json" else None
 
 
-def _kept(path: Path) -> Any:
+def _kept(path: Path) -> Thing:
     """The scenario in a file: of the twin's own kind, or of a registered scenario's."""
     try:
         plain = json.loads(path.read_text())
@@ -93,7 +92,7 @@ def _kept(path: Path) -> Any:
         raise BadInput(f"{path}: {error}") from None
 
 
-def _scenario(spec: str, found: Any) -> Any:
+def _scenario(spec: str, found: Thing) -> Thing:
     found = _instance("scenario", spec, found)
     drives = hasattr(found, "machine") or callable(getattr(found, "measure", None))
     if not (drives and dataclasses.is_dataclass(found)):
@@ -107,7 +106,7 @@ def _scenario(spec: str, found: Any) -> Any:
     return found
 
 
-def _instance(kind: str, spec: str, found: Any) -> Any:
+def _instance(kind: str, spec: str, found: Thing) -> Thing:
     if not isinstance(found, type):
         return found
     try:
@@ -116,7 +115,7 @@ def _instance(kind: str, spec: str, found: Any) -> Any:
         raise BadInput(f"{kind} '{spec}' cannot be made: {line(error)}") from None
 
 
-def _estimator(spec: str, found: Any) -> Any:
+def _estimator(spec: str, found: Thing) -> Thing:
     found = _instance("estimator", spec, found)
     lacking = [name for name in ("init", "run") if not callable(getattr(found, name, None))]
     if lacking:

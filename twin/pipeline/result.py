@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
+from twin.io.plain import Plain
 from twin.streams import Frames, Setup, Streams, Table
 from twin.trajectory.end import End, Outcome
 
@@ -65,7 +66,7 @@ class Result:
     """Estimator that failed -> why: its table holds NaN."""
     name: str = ""
     """Name of a log; of a run, its scenario's name stands in the scenario."""
-    found: Mapping[str, Any] = field(default_factory=dict)
+    found: Mapping[str, Plain] = field(default_factory=dict)
     """What was found of a log beside estimates: the spread of slip, steady work."""
 
     @property
@@ -74,7 +75,7 @@ class Result:
         return str(self.end or Outcome.DRIVEN)
 
     @cached_property
-    def scores(self) -> dict[str, Any]:
+    def scores(self) -> dict[str, Plain]:
         """Every estimator against the truth, and the bound: what goes into scores.json."""
         from twin.pipeline.scored import log_scores, run_scores
 

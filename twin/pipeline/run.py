@@ -26,8 +26,8 @@ from twin.scenario import Scenario
 from twin.scenario.route import length_m
 from twin.sensors import Sensors
 from twin.simulation import calibration
-from twin.simulation.braking import asked_mps
 from twin.simulation.build import build
+from twin.simulation.course_task import asked_mps
 from twin.simulation.driver import full_depth_m
 from twin.simulation.notes import notes, unheld
 from twin.streams import Frames, Setup, Streams, Table, concatenate
@@ -100,7 +100,7 @@ def _measured(scenario: Measured) -> tuple[Setup, Streams, Table]:
 
 
 def _silent(fraction: float, driven_s: float) -> None:
-    """No progress is shown."""
+    """No-op progress callback."""
 
 
 def sense(

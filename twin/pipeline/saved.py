@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from twin.errors import BadInput
 from twin.io import run_folder
 from twin.io.atomic import written_when_complete
+from twin.io.plain import Plain
 from twin.pipeline.result import Result
 from twin.scenario import Scenario
 
@@ -72,7 +73,7 @@ def _record(result: Result, path: Path) -> None:
         turned = _turned(result.scenario)
         viz.record(result, path, model=machine.model, turned=turned, ground=ground)
         return
-    notes: Mapping[str, Any] = {} if result.scenario is not None else {"notes": result.notes}
+    notes: Mapping[str, Plain] = {} if result.scenario is not None else {"notes": result.notes}
     viz.log(
         path,
         streams=result.streams,

@@ -9,12 +9,12 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import MISSING, dataclass, fields
-from typing import Any
 
 import numpy as np
 
 from twin.errors import BadInput
 from twin.physics.law_reads import fields_read
+from twin.plugins.lookup import Thing
 from twin.scenario import Plough, Scenario, Soil
 from twin.scenario.soil import DEFORMABLE_RANGES
 from twin.sensors.faults import KINDS
@@ -81,7 +81,7 @@ def _read_by(law: str) -> frozenset[str]:
     return LAW_READS[law] if law in LAW_READS else fields_read(law)
 
 
-def _of(sensor: str, holds: Callable[[Any], bool]) -> Met:
+def _of(sensor: str, holds: Callable[[Thing], bool]) -> Met:
     """A condition on a sensor; one that is absent has no fields to set."""
 
     def met(scenario: Scenario) -> bool:
@@ -94,7 +94,7 @@ def _of(sensor: str, holds: Callable[[Any], bool]) -> Met:
 def _solved(*modes: Mode) -> Met:
     """Whether the outages bring the receiver into one of the modes."""
 
-    def holds(gnss: Any) -> bool:
+    def holds(gnss: Thing) -> bool:
         found = timeline(gnss.outages, np.zeros(3), np.random.default_rng(0)).mode
         return bool(np.isin(found, modes).any())
 
@@ -190,7 +190,7 @@ RULES = (
 )  # fmt: skip
 
 
-def unread(scenario: Any) -> dict[str, str]:
+def unread(scenario: Thing) -> dict[str, str]:
     """Path of each field that a run would not read, and what it needs to be read."""
     if not isinstance(scenario, Scenario):
         told = getattr(scenario, "unread", None)
@@ -219,7 +219,7 @@ def _idle_faults(scenario: Scenario) -> Iterator[tuple[str, str]]:
 
 
 def complaint(
-    scenario: Any, named: Collection[str] = (), also: Mapping[str, str] | None = None
+    scenario: Thing, named: Collection[str] = (), also: Mapping[str, str] | None = None
 ) -> str | None:
     """What is set and would not be read, as a sentence; None where all is read.
 
@@ -243,14 +243,14 @@ def complaint(
 
 
 def refuse_unread(
-    scenario: Any, named: Collection[str] = (), also: Mapping[str, str] | None = None
+    scenario: Thing, named: Collection[str] = (), also: Mapping[str, str] | None = None
 ) -> None:
     """Raise BadInput for what is set and would not be read. Arguments as `complaint`."""
     if (said := complaint(scenario, named, also)) is not None:
         raise BadInput(said)
 
 
-def _held(scenario: Any, path: str) -> tuple[Any, Any]:
+def _held(scenario: Thing, path: str) -> tuple[Thing, Thing]:
     """What a field holds, and its default; the same where there is no such field."""
     held, usual = scenario, None
     for name in path.split("."):
@@ -264,7 +264,7 @@ def _held(scenario: Any, path: str) -> tuple[Any, Any]:
     return held, usual
 
 
-def _default(thing: Any, name: str) -> Any:
+def _default(thing: Thing, name: str) -> Thing:
     """A field's default; MISSING where it has none."""
     field = next(f for f in fields(thing) if f.name == name)
     return field.default if field.default_factory is MISSING else field.default_factory()

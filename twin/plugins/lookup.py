@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import re
 import sys
 import traceback
 from pathlib import Path
@@ -13,6 +14,7 @@ from twin.errors import BadInput, UnknownName
 
 Thing: TypeAlias = Any
 """Whatever a user's module has."""
+COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 
 
 def attribute(kind: str, spec: str) -> Thing:
@@ -64,5 +66,10 @@ def where(error: BaseException, thing: object) -> str:
 
 def line(error: BaseException) -> str:
     """An error in one line: its type and the first line of its message."""
-    first = (str(error).splitlines() or [""])[0]
+    first = (words(error).splitlines() or [""])[0]
     return f"{type(error).__name__}: {first}" if first else type(error).__name__
+
+
+def words(error: BaseException) -> str:
+    """Its message without the colours that numba gives one where colorama is installed."""
+    return COLOUR.sub("", str(error))

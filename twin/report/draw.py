@@ -186,14 +186,14 @@ def limits(axes: Axes, found: list[Array], scale: float) -> None:
     """Vertical limits from the bulk of the values, so one spike does not flatten the rest."""
     values = finite(np.concatenate(found)) if found else np.empty(0)
     if len(values):
-        low, high = scale * np.quantile(values, [0.005, 0.995])
+        low, high = (scale * float(q) for q in np.quantile(values, (0.005, 0.995)))
         margin = 0.12 * max(high - low, 0.5)
         axes.set_ylim(low - margin, high + margin)
 
 
 def as_map(axes: Axes) -> None:
     """A metre east as long as a metre north, and never less than 2 m of either."""
-    middle = 0.5 * (np.asarray(axes.dataLim.min) + np.asarray(axes.dataLim.max))
+    middle = 0.5 * np.add(axes.dataLim.min, axes.dataLim.max)
     axes.update_datalim([middle - 1.0, middle + 1.0])
     axes.autoscale_view()
     axes.set_aspect("equal", adjustable="datalim")

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from twin.io.plain import Plain
 from twin.report.draw import Array, Drawing, Estimates, finite
 from twin.report.palette import TRUTH_COLOUR, looks
 from twin.scores.scores import at, seconds
@@ -18,7 +18,7 @@ Window = tuple[float, float]
 
 BLOCK_S, BLOCKS = 5.0, (20, 40)
 """Errors over time are means of blocks of about so long, of at least and at most so many."""
-BOUNDS: tuple[tuple[str, Any], ...] = (("causal", "--"), ("offline", ":"))
+BOUNDS: tuple[tuple[str, Plain], ...] = (("causal", "--"), ("offline", ":"))
 """Of `estimators.bounds`, each with its line."""
 NEES_SHOWN = (0.3, 3.0)
 """The axis of the NEES reaches at least so far."""
@@ -126,7 +126,7 @@ def block_means(table: Table, values: Array, window: Window) -> tuple[Array, Arr
 def _blocks(
     truth: Table, estimates: Estimates, column: str, window: Window, *, consistency: bool = False
 ) -> dict[str, tuple[Array, Array]]:
-    """Time and mean square error in blocks of each estimate, over its variance if asked."""
+    """Time and mean square error in blocks of each estimate; over its variance if so asked."""
     found = {}
     for name, table in estimates.items():
         error = error_of(truth, table, column)

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from twin.io.atomic import write_text
-from twin.io.plain import to_plain
+from twin.io.plain import Plain, to_plain
 from twin.io.run_folder import RunLike
+from twin.plugins.lookup import Thing
 from twin.report import errors, figures
 from twin.report.draw import Drawing
 from twin.report.html import document, made_with, table
@@ -30,7 +31,7 @@ CONSISTENCY = (
 )
 
 
-def write(run: RunLike, scores: Mapping[str, Any], path: Path, command: str = "") -> None:
+def write(run: RunLike, scores: Mapping[str, Plain], path: Path, command: str = "") -> None:
     """Write the report of a run.
 
     Args:
@@ -42,7 +43,7 @@ def write(run: RunLike, scores: Mapping[str, Any], path: Path, command: str = ""
     write_text(path, page(run, scores, command))
 
 
-def page(run: RunLike, scores: Mapping[str, Any], command: str = "") -> str:
+def page(run: RunLike, scores: Mapping[str, Plain], command: str = "") -> str:
     """The whole page as HTML text."""
     name = str(scores.get("scenario") or "log")
     seed = scores.get("seed")
@@ -64,7 +65,7 @@ def page(run: RunLike, scores: Mapping[str, Any], command: str = "") -> str:
     return document(title, parts)
 
 
-def drawings(run: RunLike, scores: Mapping[str, Any]) -> dict[str, Drawing]:
+def drawings(run: RunLike, scores: Mapping[str, Plain]) -> dict[str, Drawing]:
     """The figures of the page by file name without its ending, as `slip-error`."""
     return {
         title.lower().replace(" ", "-"): drawn
@@ -73,7 +74,7 @@ def drawings(run: RunLike, scores: Mapping[str, Any]) -> dict[str, Drawing]:
     }
 
 
-def _what(run: RunLike, scores: Mapping[str, Any]) -> str:
+def _what(run: RunLike, scores: Mapping[str, Plain]) -> str:
     window = scores.get("window_s")
     scored = f"scored from {window[0]:.1f} s to {window[1]:.1f} s" if window else "not scored"
     if run.scenario is None:
@@ -103,7 +104,7 @@ def _driven(truth: Mapping[str, float | None]) -> str:
     return f"<dl>{''.join(items)}</dl>" if items else ""
 
 
-def _headline(scores: Mapping[str, Any]) -> str:
+def _headline(scores: Mapping[str, Plain]) -> str:
     rows = score_rows(scores)
     if not rows:
         return ""
@@ -114,7 +115,7 @@ def _headline(scores: Mapping[str, Any]) -> str:
     return f'<h2>Scores</h2>{table(HEADERS, rows)}<p class="soft">{note}</p>'
 
 
-def _found(scores: Mapping[str, Any]) -> str:
+def _found(scores: Mapping[str, Plain]) -> str:
     """Slip of a recorded drive, and the notes of its reading."""
     lines = [*slip_lines(scores), *scores.get("notes", ())]
     items = "".join(f"<li>{html.escape(line)}</li>" for line in lines)
@@ -122,7 +123,9 @@ def _found(scores: Mapping[str, Any]) -> str:
     return f"<h2>{title}</h2><ul>{items}</ul>" if lines else ""
 
 
-def _figures(run: RunLike, scores: Mapping[str, Any]) -> Iterable[tuple[str, Drawing | None, str]]:
+def _figures(
+    run: RunLike, scores: Mapping[str, Plain]
+) -> Iterable[tuple[str, Drawing | None, str]]:
     window = tuple(scores["window_s"]) if scores.get("window_s") else None
     truth, estimates, bound = run.truth, run.estimates, scores.get("bound") or {}
     caption = SLIP_OVER_TIME if truth else "Bands: ±2 reported standard deviations."
@@ -142,7 +145,7 @@ def _figures(run: RunLike, scores: Mapping[str, Any]) -> Iterable[tuple[str, Dra
         yield "Consistency", errors.nees(truth, estimates, window), CONSISTENCY
 
 
-def _parameters(scenario: Any) -> str:
+def _parameters(scenario: Thing) -> str:
     if scenario is None:
         return ""
     rows = [(f"<code>{html.escape(k)}</code>", html.escape(v)) for k, v in flat(to_plain(scenario))]
@@ -153,7 +156,7 @@ def _parameters(scenario: Any) -> str:
     )
 
 
-def flat(value: Any, prefix: str = "") -> list[tuple[str, str]]:
+def flat(value: Plain, prefix: str = "") -> list[tuple[str, str]]:
     """Nested plain values as (dotted name, text), in order."""
     if isinstance(value, Mapping):
         items = [flat(v, f"{prefix}.{k}" if prefix else str(k)) for k, v in value.items()]
@@ -161,7 +164,7 @@ def flat(value: Any, prefix: str = "") -> list[tuple[str, str]]:
     return [(prefix, f"{value:g}" if isinstance(value, float) else str(value))]
 
 
-def _again(name: str, seed: int | None, scenario: Any, command: str) -> str:
+def _again(name: str, seed: int | None, scenario: Thing, command: str) -> str:
     if command or scenario is None:
         return made_with(command)
     command = f"twin run {name}" + ("" if seed is None else f" --seed {seed}")

@@ -13,6 +13,7 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from twin.io.atomic import moved_when_complete, write_bytes
+from twin.io.plain import Plain
 from twin.report.palette import FIGURE
 
 MM_PER_IN = 25.4
@@ -78,13 +79,16 @@ def at_print_size(drawn: Printable, stem: Path) -> list[str]:
         least_in = 0.7 * width_in / drawn.columns
         height_in = figure.get_figheight() * width_in / figure.get_figwidth()
         figure.set_size_inches(width_in, max(height_in, least_in))
-        undated: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+        undated: dict[str, dict[str, Plain]] = {
+            "svg": {"Date": None},
+            "pdf": {"CreationDate": None},
+        }
         for kind, metadata in undated.items():
             _write(figure, stem.with_name(f"{stem.name}.{kind}"), metadata)
     return [f"{stem.name}.{kind}" for kind in undated]
 
 
-def _write(figure: Figure, path: Path, metadata: dict[str, Any]) -> None:
+def _write(figure: Figure, path: Path, metadata: dict[str, Plain]) -> None:
     """Write a figure as its file's suffix says; encoded first, as encoders hide a full disk."""
     encoded = io.BytesIO()
     figure.savefig(encoded, format=path.suffix[1:], metadata=metadata)

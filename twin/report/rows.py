@@ -6,17 +6,17 @@ import html
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from textwrap import fill
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from twin.io.atomic import write_text
+from twin.io.plain import Plain
 from twin.report.draw import svg
 from twin.report.html import document, figures, made_with, table
 from twin.report.palette import TRUTH_COLOUR
 
-Rows = Sequence[Mapping[str, Any]]
+Rows = Sequence[Mapping[str, Plain]]
 
 BLUE, RED, GREY = "#0072B2", "#D55E00", "#e8e8e8"
 BEYOND = 1.6
@@ -171,7 +171,7 @@ def ratio_figure(rows: Rows) -> str:
     return svg("Ours over published", draw, left=0.5, height_in=0.9 + lines * ROW_IN * len(rows))
 
 
-def place_of(row: Mapping[str, Any]) -> float:
+def place_of(row: Mapping[str, Plain]) -> float:
     """-1 at the low end of the tolerance, 1 at the high one; a single bound is one of them."""
     low, high, ours = row.get("low"), row.get("high"), float(row["ours"])
     if low is not None and high is not None:
@@ -202,7 +202,7 @@ def _check_table(rows: Rows) -> str:
     return table(["case", "quantity", "ours", "reference", "tolerance", "unit", ""], lines, names=2)
 
 
-def _tolerance(row: Mapping[str, Any]) -> str:
+def _tolerance(row: Mapping[str, Plain]) -> str:
     low, high = row.get("low"), row.get("high")
     if low is not None and high is not None:
         return f"{_number(low)} to {_number(high)}"
@@ -211,11 +211,11 @@ def _tolerance(row: Mapping[str, Any]) -> str:
     return "" if low is None else f"at least {_number(low)}"
 
 
-def _number(value: Any) -> str:
+def _number(value: Plain) -> str:
     return "" if value is None else f"{value:.4g}"
 
 
-def _cell(row: Mapping[str, Any] | None) -> str:
+def _cell(row: Mapping[str, Plain] | None) -> str:
     if row is None:
         return ""
     half = 0.5 * (row.get("high", row["ours"]) - row.get("low", row["ours"]))

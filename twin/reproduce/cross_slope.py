@@ -10,14 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from joblib import delayed
 from scipy.stats import chi2
 
 from twin.compute.parallel import many
-from twin.io.result_rows import row
+from twin.io.result_rows import Row, Rows, row
 from twin.pipeline.named import load
 from twin.reproduce.cross_slope_trial import OWN, Calibrated, Estimate, Trial, trial
 from twin.reproduce.passes import NO_SENSORS
@@ -109,7 +108,7 @@ def bound_sd_m(
     return math.sqrt(frames + yaw + scale + gyro)
 
 
-def rows(trials: int = 30, jobs: int = 1) -> list[dict[str, Any]]:
+def rows(trials: int = 30, jobs: int = 1) -> Rows:
     """All rows, over `trials` seeds of each cell; the paper's chains over a third of them."""
     cases = [(soil, seed) for soil in ("dry", "wet") for seed in range(trials)]
     named = [(soil, seed, 3 * seed < trials) for soil, seed in cases]
@@ -132,7 +131,7 @@ def both_slopes(soil: str, seed: int, papers: bool) -> dict[int, Trial]:
     return found
 
 
-def total_rows(cells: dict[tuple[int, str], list[Trial]]) -> list[dict[str, Any]]:
+def total_rows(cells: dict[tuple[int, str], list[Trial]]) -> Rows:
     """True totals against the published ones, and how the runs ended."""
     out, mean_m = [], {}
     for (slope, soil), runs in cells.items():
@@ -161,7 +160,7 @@ def total_rows(cells: dict[tuple[int, str], list[Trial]]) -> list[dict[str, Any]
     return out
 
 
-def sweep_rows() -> list[dict[str, Any]]:
+def sweep_rows() -> Rows:
     """Totals of the sweep, which grow with the slope; and whether their growth slows as they go."""
     out, before = [], 0.0
     for slope in SWEEP_DEG:
@@ -175,7 +174,7 @@ def sweep_rows() -> list[dict[str, Any]]:
     return out
 
 
-def drive(scenario: Scenario) -> dict[str, Any]:
+def drive(scenario: Scenario) -> Row:
     """The truth of a run without sensors or calibration."""
     course = replace(scenario.course, calibration_m=0.0)
     machine = build(replace(scenario, sensors=NO_SENSORS, course=course))
@@ -183,7 +182,7 @@ def drive(scenario: Scenario) -> dict[str, Any]:
     return truth.integrate(truth.concatenate(parts), None)
 
 
-def growth(table: dict[str, Any]) -> float:
+def growth(table: Row) -> float:
     """Slide per metre driven in the last third of a run over that in the first.
 
     The metre in which the slide builds up, as the tyres deflect, is left out.
@@ -196,9 +195,9 @@ def growth(table: dict[str, Any]) -> float:
     return float((ends[3] - ends[2]) / (ends[1] - ends[0]))
 
 
-def error_rows(cells: dict[tuple[int, str], list[Trial]]) -> list[dict[str, Any]]:
+def error_rows(cells: dict[tuple[int, str], list[Trial]]) -> Rows:
     """Errors of the own estimator with its bounds, then those of the paper's chains."""
-    out: list[dict[str, Any]] = []
+    out: Rows = []
     for (slope, soil), runs in cells.items():
         for masked in (False, True):
             case = f"{slope} degrees, {soil}{', masked' if masked else ''}"
@@ -216,7 +215,7 @@ def error_rows(cells: dict[tuple[int, str], list[Trial]]) -> list[dict[str, Any]
 
 def own_rows(
     case: str, own: Sequence[Estimate], runs: Sequence[Trial], masked: bool, published: float | None
-) -> list[dict[str, Any]]:
+) -> Rows:
     """The own estimator in one cell."""
     relative = np.array([e.relative for e in own])
     median = float(np.median(relative))
@@ -245,7 +244,7 @@ def own_rows(
     ]  # fmt: skip
 
 
-def taishan_rows(trials: int, jobs: int) -> list[dict[str, Any]]:
+def taishan_rows(trials: int, jobs: int) -> Rows:
     """The tractor on 5 and 10 degrees, alone and ploughing; a sixth of the trials."""
     names = [f"slope-{s}-{what}" for what in ("taishan", "plough") for s in (5, 10)]
     seeds = range(max(1, trials // 6))

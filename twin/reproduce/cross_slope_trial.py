@@ -7,11 +7,13 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.camera import tracking
 from twin.camera.tracking import Tracker
+from twin.pipeline.estimating import Estimator
 from twin.pipeline.named import load
 from twin.pipeline.run import run
 from twin.plugins.lookup import attribute
@@ -64,7 +66,7 @@ class Calibrated:
     """Its samples, frames not yet tracked."""
     tracker: Tracker | None
     camera: Table
-    state: Any
+    state: mujoco.MjData
     """Of the own estimator."""
 
 
@@ -111,7 +113,7 @@ def trial(
 
 
 def _own_drives(
-    scenario: Scenario, own: Any, before: Calibrated | None
+    scenario: Scenario, own: Estimator, before: Calibrated | None
 ) -> tuple[dict[bool, tuple[Streams, Table]], Calibrated]:
     """The run's samples and truth, antennas open and masked, and the calibration before it.
 
@@ -182,8 +184,9 @@ def _papers(scenario: Scenario, slope_deg: float) -> dict[tuple[str, bool], Esti
     }
 
 
-def _own(name: str, **settings: Any) -> Any:
-    return attribute("estimator", PRINTED + name)(**settings)
+def _own(name: str, **settings: Any) -> Estimator:
+    made: Estimator = attribute("estimator", PRINTED + name)(**settings)
+    return made
 
 
 def _open_and_masked(scenario: Scenario) -> dict[bool, tuple[Setup, Streams, Table]]:
@@ -205,7 +208,7 @@ def _open_and_masked(scenario: Scenario) -> dict[bool, tuple[Setup, Streams, Tab
     }
 
 
-def _estimate(estimator: Any, setup: Setup, streams: Streams, truth: Table) -> Estimate:
+def _estimate(estimator: Estimator, setup: Setup, streams: Streams, truth: Table) -> Estimate:
     return _change(estimator.run(estimator.init(setup), streams)[1], truth)
 
 

@@ -9,13 +9,12 @@ every 0.1 s.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from joblib import delayed
 
 from twin.compute.parallel import many
-from twin.io.result_rows import row
+from twin.io.result_rows import Row, Rows, row
 from twin.pipeline.named import load
 from twin.pipeline.run import run
 from twin.scenario import Scenario
@@ -35,7 +34,7 @@ FITTED = Sensors(
 """A receiver and Hall sensors of 200 edges a turn, both at 10 Hz."""
 
 
-def rows(trials: int = 4, jobs: int = 1) -> list[dict[str, Any]]:
+def rows(trials: int = 4, jobs: int = 1) -> Rows:
     """All rows, over `trials` seeds."""
     cases = [(s, v) for s in SURFACES for v in SPEEDS_KMH]
     seeds = [(s, v, seed) for s, v in cases for seed in range(trials)]
@@ -47,7 +46,7 @@ def rows(trials: int = 4, jobs: int = 1) -> list[dict[str, Any]]:
     return [_row(case, found) for case in cases]
 
 
-def _row(case: tuple[str, int], found: dict[tuple[str, int], float]) -> dict[str, Any]:
+def _row(case: tuple[str, int], found: dict[tuple[str, int], float]) -> Row:
     surface, speed = case
     low, high, published = BOUNDS.get(case, (None, None, None))
     if surface != "asphalt":  # rougher roads scatter more

@@ -10,18 +10,14 @@ Without the second, and with the first biased, that advantage is gone.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from scenarios.ima_pkf import Trial, noise_sd, simulate
 from scenarios.ima_pkf_signals import RATE_HZ, SD
-from twin.io.result_rows import row
+from twin.io.result_rows import Row, Rows, row
 from twin.reproduce.ima_pkf_methods import READINGS, adaptive, beside
 from twin.reproduce.ima_pkf_rows import leads, measured, promises
 from twin.reproduce.ima_pkf_trials import mean_and_interval, study
-
-Rows = list[dict[str, Any]]
 
 PUBLISHED = {
     "KF": {"MAE": 0.0714, "RMSE": 0.0848},
@@ -62,7 +58,7 @@ def rows(trials: int = 30, jobs: int = 1) -> Rows:
     return out
 
 
-def floor(case: str, trials: list[Trial]) -> dict[str, Any]:
+def floor(case: str, trials: list[Trial]) -> Row:
     """The least slip RMSE of a causal filter that takes no jerk for granted, in closed form.
 
     P_v = sigma_v sigma_a dt,  P_w = sigma_w sigma_aw dt

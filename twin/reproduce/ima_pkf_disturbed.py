@@ -11,12 +11,11 @@ from dataclasses import replace
 from typing import Any
 
 from scenarios.ima_pkf import Trial
+from twin.io.result_rows import Rows
 from twin.reproduce.ima_pkf import FIRST_SEED, floor
 from twin.reproduce.ima_pkf_methods import adaptive, beside
 from twin.reproduce.ima_pkf_rows import leads, measured, promises
 from twin.reproduce.ima_pkf_trials import study
-
-Rows = list[dict[str, Any]]
 
 PUBLISHED = {
     "KF": {"MAE": 0.0723, "RMSE": 0.0795, "max": 0.6262},

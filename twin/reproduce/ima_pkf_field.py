@@ -9,20 +9,17 @@ wheels' radius is not the nominal one: a bias that no choice of Q and R takes aw
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from joblib import delayed
 
 from twin.compute.parallel import many
-from twin.io.result_rows import row
+from twin.io.result_rows import Rows, row
 from twin.pipeline.named import load
 from twin.pipeline.run import run
 from twin.reproduce.ima_pkf_trials import mean_and_interval
 from twin.scores.scores import score
 from twin.streams import Setup, Table
-
-Rows = list[dict[str, Any]]
 
 DEPTHS_CM = (15, 20, 25, 30)
 ESTIMATORS = {

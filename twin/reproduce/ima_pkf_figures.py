@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from scenarios.ima_pkf import Trial, simulate
 from scenarios.ima_pkf_signals import SETUP, streams
+from twin.io.result_rows import Row
 from twin.pipeline.named import load
 from twin.report.draw import svg
 from twin.report.palette import TRUTH_COLOUR, colours
 from twin.reproduce.ima_pkf_methods import ADAPTIVE
+from twin.streams import Table
 
 METHODS = {"KF": "kf-z2", **ADAPTIVE}
 PALETTE = colours(("KF", "PSO-PKF", "MA-PKF", "IMA-PKF", "tuned KF"))
@@ -82,14 +83,14 @@ def errors(trials: Sequence[Trial]) -> str:
     return svg("Absolute error of slip", draw, rows=4)
 
 
-def estimates(trial: Trial) -> dict[str, Any]:
+def estimates(trial: Trial) -> Table:
     """Slip by each of the four methods. Shapes (n,)."""
     measured = streams(simulate(trial))
     loaded = {name: load("estimator", key) for name, key in METHODS.items()}
     return {name: e.run(e.init(SETUP), measured)[1]["slip"] for name, e in loaded.items()}
 
 
-def field_slips(runs: Mapping[int, Any]) -> str:
+def field_slips(runs: Mapping[int, tuple[Table, dict[str, Table]]]) -> str:
     """Slip over time at each depth [cm]: truth, KF and IMA-PKF of one run."""
 
     def draw(*axes: Axes) -> None:
@@ -106,7 +107,7 @@ def field_slips(runs: Mapping[int, Any]) -> str:
     return svg("Slip while ploughing", draw, rows=len(runs))
 
 
-def field_errors(rows: Sequence[Mapping[str, Any]], depths_cm: Sequence[int]) -> str:
+def field_errors(rows: Sequence[Row], depths_cm: Sequence[int]) -> str:
     """MAE and RMSE of slip by depth, with 95 % intervals."""
     values = {(row["case"], row["quantity"]): row for row in rows}
     names = ("KF", "tuned KF", "IMA-PKF")

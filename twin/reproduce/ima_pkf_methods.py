@@ -14,6 +14,7 @@ from dataclasses import replace
 from typing import Any
 
 from scenarios.ima_pkf_signals import SD
+from twin.io.result_rows import Row
 from twin.pipeline.named import load
 
 ADAPTIVE = {"PSO-PKF": "pso-pkf", "MA-PKF": "ma-pkf", "IMA-PKF": "ima-pkf"}
@@ -45,12 +46,12 @@ NO_BIAS = {"bias_sd_mps2": 0.0, "wheel_bias_sd_mps2": 0.0, "bias_psd_m2ps5": 0.0
 BIAS = {"bias_sd_mps2": 0.1, "wheel_bias_sd_mps2": 0.1, "bias_psd_m2ps5": 0.0}
 
 
-def adaptive(**changes: Any) -> dict[str, Any]:
+def adaptive(**changes: float) -> Row:
     """The three adaptive filters, with changes of the faithful reading."""
     return {name: replace(load("estimator", key), **changes) for name, key in ADAPTIVE.items()}
 
 
-def beside(*, biased: bool) -> dict[str, Any]:
+def beside(*, biased: bool) -> Row:
     """Raw ratios, the paper's KF, its PKF without optimiser, and filters that are told the noise.
 
     Args:

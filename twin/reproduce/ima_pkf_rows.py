@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import Any
 
-from twin.io.result_rows import row
+from twin.io.result_rows import Rows, row
 from twin.reproduce.ima_pkf_trials import Errors, mean_and_interval
-
-Rows = list[dict[str, Any]]
 
 QUANTITIES = {"MAE": "mae", "RMSE": "rmse", "RMSE from 1 s": "rmse_settled"}
 ORDER = ("KF", "PSO-PKF", "MA-PKF", "IMA-PKF")

@@ -7,15 +7,13 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from scenarios.ima_pkf import CLEAN
 from twin import studies as study
-from twin.io.result_rows import row
+from twin.io.result_rows import Rows, row
+from twin.pipeline.estimating import Estimator
 from twin.pipeline.named import load
 from twin.streams import Streams
-
-Rows = list[dict[str, Any]]
 
 METHODS = (
     "ratio", "ratio-front", "kf-z2", "pkf", "kf-tuned", "mmae", "whiteness",
@@ -39,7 +37,7 @@ def filter_rows() -> Rows:
     adaptive = {name: load("estimator", name) for name in ADAPTIVE}
     fixed = replace(adaptive["ima-pkf"], optimiser="none")
 
-    def taking(estimator: Any, chunk: Streams) -> Callable[[], Any]:
+    def taking(estimator: Estimator, chunk: Streams) -> Callable[[], object]:
         state = estimator.init(setup)
         return lambda: estimator.run(state, chunk)
 
@@ -76,7 +74,7 @@ def _cases(seeds: range) -> list[study.Case]:
     return study.plan(["ima-pkf-disturbed"], seeds, METHODS, {})
 
 
-def _best(*actions: Callable[[], Any]) -> list[float]:
+def _best(*actions: Callable[[], object]) -> list[float]:
     """Shortest time of each action [us], the actions taken in turn."""
     best = [float("inf")] * len(actions)
     for turn in range(TURNS + 1):

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from itertools import pairwise
-from typing import Any
 
 from scenarios.ima_pkf import Trial
+from twin.io.result_rows import Row, Rows
 from twin.pipeline.named import load
 from twin.pipeline.run import run
 from twin.report.draw import thinned
@@ -16,8 +16,6 @@ from twin.reproduce.ima_pkf import FIRST_SEED
 from twin.reproduce.ima_pkf_field import DEPTHS_CM, ESTIMATORS
 from twin.reproduce.ima_pkf_rows import ORDER, lead
 from twin.reproduce.story import Story
-
-Rows = Sequence[Mapping[str, Any]]
 
 LAST, FAITHFUL = ORDER[-1], "medium, faithful"
 WHY_CLEAN = (
@@ -129,11 +127,11 @@ def _reached(rows: Rows, case: str) -> list[str]:
     ]
 
 
-def _beside(quantity: str, row: Mapping[str, Any]) -> str:
+def _beside(quantity: str, row: Row) -> str:
     return f"{quantity} {row['ours']:.4f} (published {row['published']:.4f})"
 
 
-def _order(of: Mapping[str, Mapping[str, Any]]) -> str:
+def _order(of: Mapping[str, Row]) -> str:
     """Whether the methods stand as published, beyond the scatter of the seeds or not."""
     steps = {f"{a} over {b}": of[lead(a, b)] for a, b in pairwise(ORDER)}
     broken = [name for name, row in steps.items() if row["ours"] <= 0.0]

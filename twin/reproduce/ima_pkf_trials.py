@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from joblib import delayed
@@ -13,6 +11,7 @@ from numpy.typing import NDArray
 from scenarios.ima_pkf import Trial, setup, simulate
 from scenarios.ima_pkf_signals import streams
 from twin.compute.parallel import many
+from twin.io.result_rows import Row
 
 Array = NDArray[np.float64]
 
@@ -43,7 +42,7 @@ def errors(estimate: Array, truth: Array, time_s: Array) -> Errors:
     )
 
 
-def try_all(trial: Trial, estimators: Mapping[str, Any]) -> dict[str, Errors]:
+def try_all(trial: Trial, estimators: Row) -> dict[str, Errors]:
     """Errors of each estimator in one trial; who has a seed takes the trial's."""
     signals = simulate(trial)
     told, measured, out = setup(trial), streams(signals), {}
@@ -55,9 +54,7 @@ def try_all(trial: Trial, estimators: Mapping[str, Any]) -> dict[str, Errors]:
     return out
 
 
-def study(
-    trials: list[Trial], estimators: Mapping[str, Any], jobs: int = 1
-) -> dict[str, list[Errors]]:
+def study(trials: list[Trial], estimators: Row, jobs: int = 1) -> dict[str, list[Errors]]:
     """Errors of each estimator in each trial."""
     tried = many((delayed(try_all)(trial, estimators) for trial in trials), jobs)
     return {name: [each[name] for each in tried] for name in estimators}

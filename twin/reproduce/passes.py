@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.compute import quaternion
 from twin.errors import BadInput
 from twin.machine.build import Machine
 from twin.scenario import Scenario
@@ -129,8 +130,7 @@ def correlation_length_m(signal: Array, speed_mps: float) -> float:
 
 def roll_rad(table: Table) -> Array:
     """Roll of the body about its x axis; positive lowers the right side."""
-    w, x, y, z = (table[name] for name in ("qw", "qx", "qy", "qz"))
-    return np.asarray(np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)))
+    return quaternion.roll_rad(*(table[name] for name in ("qw", "qx", "qy", "qz")))
 
 
 def power_closure(table: Table) -> float:

@@ -7,14 +7,13 @@ not measured: speed and draft fix slip to about a third of itself.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from joblib import delayed
 
 from scenarios import plough
 from twin.compute.parallel import many
-from twin.io.result_rows import row
+from twin.io.result_rows import Row, Rows, row
 from twin.reproduce.passes import Pass, drive
 from twin.scenario import Course, Scenario
 
@@ -29,10 +28,10 @@ SLIPS = {15: (0.056, 0.087), 20: (0.074, 0.121), 25: (0.097, 0.165), 30: (0.123,
 """5 to 95 % of the slip that draft and traction laws allow at the published speeds."""
 
 
-def rows(trials: int = 16, jobs: int = 1) -> list[dict[str, Any]]:
+def rows(trials: int = 16, jobs: int = 1) -> Rows:
     """All rows, over `trials` seeds."""
     passes = {cm: _drive_all(SCENARIOS[cm], trials, jobs) for cm in DEPTHS_CM}
-    out: list[dict[str, Any]] = []
+    out: Rows = []
     for cm in DEPTHS_CM:
         out += _depth_rows(cm, passes[cm])
     growth = _mean(passes[30], "slip_sd") / _mean(passes[15], "slip_sd")
@@ -49,7 +48,7 @@ def _mean(passes: list[Pass], quantity: str) -> float:
     return float(np.mean([getattr(p, quantity) for p in passes]))
 
 
-def _depth_rows(cm: int, passes: list[Pass]) -> list[dict[str, Any]]:
+def _depth_rows(cm: int, passes: list[Pass]) -> Rows:
     case, speed = f"{cm} cm", SPEEDS_KMH[cm]
     course_m = SCENARIOS[cm].course.length_m
     stalled = sum(p.length_m < 0.95 * course_m - 10.0 for p in passes)
@@ -75,7 +74,7 @@ def _depth_rows(cm: int, passes: list[Pass]) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def _prediction_rows(passes: dict[int, list[Pass]], trials: int, jobs: int) -> list[dict[str, Any]]:
+def _prediction_rows(passes: dict[int, list[Pass]], trials: int, jobs: int) -> Rows:
     """The throttle set by three depths; the speed at the fourth, simulated with it.
 
     Only the throttle is fitted. The published speeds scatter by about 1.6 % about any smooth law; a
@@ -96,7 +95,7 @@ def _prediction_rows(passes: dict[int, list[Pass]], trials: int, jobs: int) -> l
     return out
 
 
-def _even_soil_row() -> dict[str, Any]:
+def _even_soil_row() -> Row:
     """Implement force against D497 where the soil does not vary."""
     even = replace(plough.CM_25.soil, draft_cv=0.0, ripple_cv=0.0, strength_cv=0.0)
     scenario = replace(plough.CM_25, soil=even, course=Course(length_m=60.0))
@@ -104,7 +103,7 @@ def _even_soil_row() -> dict[str, Any]:
     return row("25 cm, even soil", "implement force over D497", ratio, "1", low=0.99, high=1.01)
 
 
-def _step_rows() -> list[dict[str, Any]]:
+def _step_rows() -> Rows:
     """Mean slip at half the time step."""
     scenario = replace(plough.CM_25, course=Course(length_m=60.0))
     full, half = (drive(replace(scenario, timestep_s=dt_s)).slip for dt_s in (0.002, 0.001))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from estimators.bounds import bound
 from scenarios.ima_pkf import Trial
 from twin.compute.parallel import many
-from twin.io.result_rows import row
+from twin.io.result_rows import Rows, row
 from twin.pipeline.named import load
 from twin.pipeline.run import run
 from twin.reproduce.ima_pkf_trials import study
@@ -27,7 +27,6 @@ from twin.sensors import Outage
 from twin.streams import Streams, Table
 
 Array = NDArray[np.float64]
-Rows = list[dict[str, Any]]
 
 TRIALS_PER_SEED = 10
 """Trials of signals for each seed of a drive: they cost a hundredth."""

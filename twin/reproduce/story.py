@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from twin.io.atomic import write_text
+from twin.io.result_rows import Row, Rows
 from twin.report.html import document, made_with, table
 from twin.report.rows import band_figure, ratio_figure
-
-Rows = Sequence[Mapping[str, Any]]
 
 PIVOTED = ("MAE", "RMSE", "RMSE from 1 s", "max", "bias")
 """Quantities told of several methods, as `RMSE, KF`: a line for each method."""
@@ -62,8 +60,8 @@ def _usual(rows: Rows) -> list[tuple[str, Callable[[], str]]]:
     return found
 
 
-def _cases(rows: Rows) -> dict[str, list[Mapping[str, Any]]]:
-    out: dict[str, list[Mapping[str, Any]]] = {}
+def _cases(rows: Rows) -> dict[str, Rows]:
+    out: dict[str, Rows] = {}
     for row in rows:
         out.setdefault(row["case"], []).append(row)
     return out
@@ -71,7 +69,7 @@ def _cases(rows: Rows) -> dict[str, list[Mapping[str, Any]]]:
 
 def _section(case: str, rows: Rows) -> str:
     """Methods as lines and quantities as columns, and below it what is told of no one method."""
-    methods: dict[str, dict[str, Mapping[str, Any]]] = {}
+    methods: dict[str, dict[str, Row]] = {}
     rest = []
     for row in rows:
         quantity, _, method = row["quantity"].partition(", ")
@@ -91,7 +89,7 @@ def _section(case: str, rows: Rows) -> str:
     return "".join(parts)
 
 
-def _pivot(methods: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
+def _pivot(methods: Mapping[str, Mapping[str, Row]]) -> str:
     """A column for each quantity, and one beside it where something was published of it."""
     headers, columns = ["method"], [list(methods)]
     for quantity in PIVOTED:
@@ -105,7 +103,7 @@ def _pivot(methods: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
     return table(headers, zip(*columns, strict=True))
 
 
-def _cell(row: Mapping[str, Any] | None) -> str:
+def _cell(row: Row | None) -> str:
     """`0.0267 ± 0.0003`, half the 95 % interval; the value alone where low and high are bounds."""
     if row is None:
         return "-"
@@ -120,15 +118,15 @@ def _number(value: float) -> str:
     return f"{value:.4f}" if 1e-4 <= abs(value) < 1.0 else f"{value:.4g}"
 
 
-def _unit(row: Mapping[str, Any]) -> str:
+def _unit(row: Row) -> str:
     return "" if row.get("unit", "1") == "1" else str(row["unit"])
 
 
-def _published(row: Mapping[str, Any] | None) -> str:
+def _published(row: Row | None) -> str:
     return _number(row["published"]) if row and "published" in row else ""
 
 
-def _promise(row: Mapping[str, Any]) -> str:
+def _promise(row: Row) -> str:
     if "passed" not in row:
         return ""
     ends = [("at least", row.get("low")), ("at most", row.get("high"))]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,11 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from twin.errors import BadInput, check_range
 from twin.physics.block import MachineSlot, WheelSlot
-from twin.rig.tractor import Seen, drive, mean, statics, tractor
+from twin.rig.table import Measured
+from twin.rig.tractor import Slots, drive, mean, statics, tractor
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import towed, wheel
 from twin.scenario import Drive, Soil
-from twin.simulation.simulate import DECISION_S, Cab
+from twin.simulation.simulation import DECISION_S, Simulation
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ ITERATIONS = 5
 
 
 @dataclass(frozen=True, kw_only=True)
-class DrawbarCurve:
+class DrawbarCurve(Measured):
     """What the drawbar rig measured, one value per hold. Shape (n,)."""
 
     pull_n: Array
@@ -60,8 +60,7 @@ class DrawbarCurve:
 
     def columns(self) -> dict[str, Array]:
         """Everything measured and derived, by name."""
-        measured = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
-        return measured | {"drawbar_power_w": self.drawbar_power_w}
+        return super().columns() | {"drawbar_power_w": self.drawbar_power_w}
 
 
 def drawbar(
@@ -96,12 +95,12 @@ def drawbar(
     check_range("first_n", first_n, 100.0, 50e3)
     check_range("step_n", step_n, 100.0, 5000.0)
     check_range("most_slip", most_slip, 0.05, 0.9)
-    cab = Cab(tractor("rig-drawbar", soil, gear=gear))
-    drive(cab, ROLLING_S)
+    simulation = Simulation(tractor("rig-drawbar", soil, gear=gear))
+    drive(simulation, ROLLING_S)
     points: list[tuple[float, ...]] = []
     while not points or points[-1][1] < most_slip:
         pull_n = first_n + step_n * len(points)
-        held = _held(cab, hitch_m, pull_n)
+        held = _held(simulation, hitch_m, pull_n)
         if held is None:
             break
         points.append((pull_n, *_read(held)))
@@ -114,11 +113,11 @@ def drawbar(
     )  # fmt: skip
 
 
-def _held(cab: Cab, hitch_m: float, pull_n: float) -> Seen | None:
+def _held(simulation: Simulation, hitch_m: float, pull_n: float) -> Slots | None:
     """The mean over a hold that is steady; None for a load that the tractor does not hold."""
-    _drawn(cab, hitch_m, pull_n, SETTLING_S)
+    _drawn(simulation, hitch_m, pull_n, SETTLING_S)
     for _ in range(MOST_HOLDS):
-        first, second = (_drawn(cab, hitch_m, pull_n, 0.5 * HOLD_S) for _ in range(2))
+        first, second = (_drawn(simulation, hitch_m, pull_n, 0.5 * HOLD_S) for _ in range(2))
         before, after = _read(first), _read(second)
         speed_mps, front_n = after[1], after[2]
         if speed_mps < STANDING_MPS or front_n < LIFTED_N:
@@ -128,18 +127,18 @@ def _held(cab: Cab, hitch_m: float, pull_n: float) -> Seen | None:
     return None
 
 
-def _drawn(cab: Cab, hitch_m: float, pull_n: float, seconds: float) -> Seen:
+def _drawn(simulation: Simulation, hitch_m: float, pull_n: float, seconds: float) -> Slots:
     """Drive on against a pull; the mean. Its line is kept while the body pitches."""
-    seen = []
+    reported = []
     for _ in range(round(seconds / DECISION_S)):
-        _pull(cab, hitch_m, pull_n)
-        seen += drive(cab, DECISION_S)
-    return mean(seen)
+        _pull(simulation, hitch_m, pull_n)
+        reported += drive(simulation, DECISION_S)
+    return mean(reported)
 
 
-def _read(seen: Seen) -> tuple[float, ...]:
+def _read(slots: Slots) -> tuple[float, ...]:
     """Slip, speed, front and rear load, axle torque, engine speed and power."""
-    rear, load, machine = seen.wheels[2:], seen.wheels[:, WheelSlot.LOAD_N], seen.machine
+    rear, load, machine = slots.wheels[2:], slots.wheels[:, WheelSlot.LOAD_N], slots.machine
     engine_radps = float(machine[MachineSlot.ENGINE_RADPS])
     return (
         float(rear[:, WheelSlot.SLIP].mean()),
@@ -152,11 +151,11 @@ def _read(seen: Seen) -> tuple[float, ...]:
     )
 
 
-def _pull(cab: Cab, hitch_m: float, pull_n: float) -> None:
+def _pull(simulation: Simulation, hitch_m: float, pull_n: float) -> None:
     """A horizontal force against the course (the world's x), its line through the body's middle."""
-    body = cab.machine.model.body("tractor").id
-    height_m = cab.batch.bind("xipos")[0, body, 2]
-    force = cab.batch.bind("xfrc_applied")
+    body = simulation.machine.model.body("tractor").id
+    height_m = simulation.batch.bind("xipos")[0, body, 2]
+    force = simulation.batch.bind("xfrc_applied")
     force[0, body, 0] = -pull_n
     force[0, body, 4] = -pull_n * (hitch_m - height_m)
 

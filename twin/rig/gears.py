@@ -13,6 +13,7 @@ from twin.errors import BadInput, check_range
 from twin.machine.fuel import fuel_lph
 from twin.machine.plough_setting import GRAVITY_MPS2
 from twin.rig.drawbar import HITCH_M, drawbar
+from twin.rig.table import Measured
 from twin.rig.tractor import tractor
 from twin.scenario import Drive, Soil
 
@@ -27,7 +28,7 @@ FIRST, STEP = 0.3, 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
-class Gears:
+class Gears(Measured):
     """The best hold of each gear. Shape (n,)."""
 
     gear_ratio: Array
@@ -41,10 +42,6 @@ class Gears:
     crank_power_w: Array
     drawbar_power_w: Array
     fuel_lph: Array
-
-    def columns(self) -> dict[str, Array]:
-        """Everything by name."""
-        return dict(vars(self))
 
 
 def gears(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 
 import mujoco
@@ -11,9 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from twin.errors import BadInput, check_range
 from twin.machine.start import RAISED_RAD
+from twin.rig.table import Measured
 from twin.rig.tractor import tractor
 from twin.scenario import Field, Soil
-from twin.simulation.settle import refuse_warnings
+from twin.simulation.guard import Diverged, warning_text
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ LOOKS = 60
 
 
 @dataclass(frozen=True, kw_only=True)
-class Creep:
+class Creep(Measured):
     """Creep of the parked tractor, one value per slope. Shape (n,)."""
 
     cross_slope_deg: Array
@@ -34,10 +34,6 @@ class Creep:
     """Farthest that the rear-axle centre went from where it had settled."""
     creep_rate_mps: Array
     """Mean speed over the last third."""
-
-    def columns(self) -> dict[str, Array]:
-        """Everything measured, by name."""
-        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
 
 
 def park(
@@ -87,7 +83,9 @@ def _parked(soil: Soil, shape: Field, parked_s: float) -> tuple[float, float]:
     for _ in range(LOOKS):
         mujoco.mj_step(model, state, max(1, round(look_s / model.opt.timestep)))
         places.append(np.array(state.qpos[:3]))
-    refuse_warnings(np.array([w.number for w in state.warning]), "rig-park", parked_s)
+    warned = [k for k, warning in enumerate(state.warning) if warning.number]
+    if warned:
+        raise Diverged(f"{warning_text(warned[0])} after {parked_s:.2f} s of 'rig-park'")
     gone = np.linalg.norm(np.array(places) - places[0], axis=1)
     third = LOOKS // 3
     late = float(np.linalg.norm(places[-1] - places[-1 - third]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass
 
@@ -12,11 +11,12 @@ from scipy.optimize import root
 
 from twin.errors import TwinError, check_range
 from twin.physics.block import WheelSlot
+from twin.rig.table import Measured
 from twin.rig.tractor import Statics, drive, mean, statics, tractor
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import towed, wheel
 from twin.scenario import Field, Soil
-from twin.simulation.simulate import Cab
+from twin.simulation.simulation import Simulation
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ class NoBalance(TwinError, ArithmeticError):
 
 
 @dataclass(frozen=True, kw_only=True)
-class CrabAngles:
+class CrabAngles(Measured):
     """Steady driving across slopes, one value per slope. Shape (n,)."""
 
     cross_slope_deg: Array
@@ -50,10 +50,6 @@ class CrabAngles:
     """Of the rear wheel on the left."""
     lower_load_n: Array
 
-    def columns(self) -> dict[str, Array]:
-        """Everything measured, by name."""
-        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
-
 
 def slope(soil: Soil, cross_slope_deg: ArrayLike) -> CrabAngles:
     """Drive each slope until the driver's line is steady.
@@ -66,14 +62,15 @@ def slope(soil: Soil, cross_slope_deg: ArrayLike) -> CrabAngles:
 
 
 def _driven(soil: Soil, cross_slope_deg: float) -> tuple[float, ...]:
-    cab = Cab(tractor("rig-slope", soil, Field(cross_slope_deg=cross_slope_deg)))
-    drive(cab, APPROACH_S)
-    seen = mean(drive(cab, WINDOW_S))
-    rear = seen.wheels[2:]
+    field = Field(cross_slope_deg=cross_slope_deg)
+    simulation = Simulation(tractor("rig-slope", soil, field))
+    drive(simulation, APPROACH_S)
+    slots = mean(drive(simulation, WINDOW_S))
+    rear = slots.wheels[2:]
     forward, left = rear[:, WheelSlot.SPEED_X_MPS].mean(), rear[:, WheelSlot.SPEED_Y_MPS].mean()
     upper, lower = rear[:, WheelSlot.LOAD_N]
     crab = math.atan2(-left, forward)
-    return crab, seen.steer_rad, float(rear[:, WheelSlot.SLIP].mean()), float(upper), float(lower)
+    return crab, slots.steer_rad, float(rear[:, WheelSlot.SLIP].mean()), float(upper), float(lower)
 
 
 def _stacked(slopes: Array, rows: list[tuple[float, ...]]) -> dict[str, Array]:

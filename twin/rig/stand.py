@@ -8,16 +8,16 @@ machine; the block's other three wheels and its engine are absent.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from twin.machine.parameters import soil_part
 from twin.machine.plough_setting import GRAVITY_MPS2
 from twin.machine.tread import tread_part
 from twin.physics import block
-from twin.physics.block import Engine, Field, Head, Soil, Wheel
+from twin.physics.block import Engine, Field, Head, Part, Soil, Wheel
 from twin.physics.callback import install
 from twin.scenario import Soil as Ground
 
@@ -39,7 +39,7 @@ def stand(
     *,
     radial: bool = False,
     held: tuple[str, ...] = ("along", "across", "spin"),
-) -> Any:
+) -> mujoco.MjModel:
     """mujoco.MjModel of the stand; controls are the speeds of what is held, and the lift.
 
     Args:
@@ -78,7 +78,7 @@ def stand(
     return model
 
 
-def _add_bodies(spec: Any, inertias: Mapping[str, float], height_m: float) -> None:
+def _add_bodies(spec: mujoco.MjSpec, inertias: Mapping[str, float], height_m: float) -> None:
     """A chain of bodies that weigh nothing beside their joints' armatures."""
     body = spec.worldbody
     for joint, axis in (*AXES.items(), ("spin", (0, 1, 0))):
@@ -91,7 +91,9 @@ def _add_bodies(spec: Any, inertias: Mapping[str, float], height_m: float) -> No
         body.add_joint(name=joint, type=kind, axis=axis, armature=inertias[joint])
 
 
-def _actuator(spec: Any, name: str, joint: str, *, gain: float, dyntype: Any = None) -> Any:
+def _actuator(
+    spec: mujoco.MjSpec, name: str, joint: str, *, gain: float, dyntype: mujoco.mjtDyn | None = None
+) -> mujoco.MjsActuator:
     out = spec.add_actuator(name=name, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint)
     out.gainprm[0] = gain
     if dyntype is not None:
@@ -99,7 +101,7 @@ def _actuator(spec: Any, name: str, joint: str, *, gain: float, dyntype: Any = N
     return out
 
 
-def _servo(spec: Any, joint: str, inertia: float) -> None:
+def _servo(spec: mujoco.MjSpec, joint: str, inertia: float) -> None:
     """Imposes a speed and keeps no error: force = k (integral of the wanted speed - q) - c dq/dt"""
     stiffness, damping = inertia * SERVO_RADPS**2, 2.0 * inertia * SERVO_RADPS
     integrator = mujoco.mjtDyn.mjDYN_INTEGRATOR
@@ -110,7 +112,9 @@ def _servo(spec: Any, joint: str, inertia: float) -> None:
     spec.add_sensor(name=joint, type=force, objtype=mujoco.mjtObj.mjOBJ_ACTUATOR, objname=joint)
 
 
-def _block(model: Any, sizes: Mapping[Wheel, float], soil: Ground, radial: bool) -> Any:
+def _block(
+    model: mujoco.MjModel, sizes: Mapping[Wheel, float], soil: Ground, radial: bool
+) -> NDArray[np.float64]:
     """The parameter block: one wheel on a level plane."""
     wheel = {
         Wheel.BODY: model.body("wheel").id,
@@ -120,13 +124,13 @@ def _block(model: Any, sizes: Mapping[Wheel, float], soil: Ground, radial: bool)
     }
     level = {Field.AHEAD: 1.0, Field.LEFT + 1: 1.0, Field.NORMAL + 2: 1.0}
     ground = soil_part(soil) | {Soil.STRENGTH_CV: 0.0} | (RADIAL if radial else {})
-    parts: list[tuple[int, Mapping[Any, float]]] = [
+    parts: list[tuple[int, Part]] = [
         (0, {Head.MAGIC: block.MAGIC, Head.VERSION: block.VERSION, Head.RATES: block.RATE_SLOTS}),
         (0, {Head.PLOUGH_BODY: -1, Head.DEPTH_WHEEL_BODY: -1}),
         (block.FIELD, level),
         (block.SOIL, ground),
         (block.WHEEL, wheel),
-        *((block.WHEEL + i * Wheel.SIZE, {Wheel.BODY: -1}) for i in range(1, 4)),
+        *((block.WHEEL + i * Wheel.SIZE, {Wheel.BODY: -1.0}) for i in range(1, 4)),
         (block.ENGINE, {Engine.SHAFT: -1}),
     ]
     out = np.zeros(block.SIZE)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -39,7 +38,10 @@ SLOTS = {
 
 
 def steady(
-    model: Any, sizes: Mapping[Wheel, float], load_n: Array, speeds_mps: Mapping[str, Array]
+    model: mujoco.MjModel,
+    sizes: Mapping[Wheel, float],
+    load_n: Array,
+    speeds_mps: Mapping[str, Array],
 ) -> dict[str, Array]:
     """Run all points at once to their steady state, and read forces and slots. Shape (n,) each.
 
@@ -74,8 +76,8 @@ def steady(
 
 
 def _start(
-    model: Any,
-    batch: Any,
+    model: mujoco.MjModel,
+    batch: Batch,
     sizes: Mapping[Wheel, float],
     load_n: Array,
     speeds_mps: Mapping[str, Array],
@@ -93,7 +95,7 @@ def _start(
 
 
 def _refuse_unsteady(
-    batch: Any, forces: Array, load_n: Array, sizes: Mapping[Wheel, float], held: list[str]
+    batch: Batch, forces: Array, load_n: Array, sizes: Mapping[Wheel, float], held: list[str]
 ) -> None:
     """Raise NotSteady for a point that MuJoCo warned of, is not finite, or still changes."""
     if warned := np.flatnonzero(batch.warning[:, :, 1].sum(axis=0)).tolist():

@@ -15,8 +15,7 @@ from twin.physics import block
 from twin.physics.block import WheelSlot
 from twin.scenario import Course, Drive, Field, Scenario, Soil
 from twin.simulation.build import build
-from twin.simulation.settle import refuse_warnings
-from twin.simulation.simulate import DECISION_S, Cab
+from twin.simulation.simulation import DECISION_S, Simulation
 
 Array = NDArray[np.float64]
 
@@ -73,7 +72,7 @@ def statics(soil: Soil) -> Statics:
 
 
 @dataclass(frozen=True)
-class Seen:
+class Slots:
     """What the callback reported, averaged over one decision of the driver."""
 
     wheels: Array
@@ -83,27 +82,25 @@ class Seen:
     steer_rad: float
 
 
-def drive(cab: Cab, seconds: float) -> list[Seen]:
+def drive(simulation: Simulation, seconds: float) -> list[Slots]:
     """Drive on for a time; one entry per decision of the driver.
 
     Raises:
-        Diverged: MuJoCo warned.
+        Diverged: a state is not finite, or MuJoCo warned.
     """
-    seen = []
-    for decision in range(1, round(seconds / DECISION_S) + 1):
-        slots = cab.act()["userdata"][0].mean(axis=0)
-        warned = cab.batch.warning[0, :, 1]
-        refuse_warnings(warned, cab.machine.scenario.name, decision * DECISION_S)
+    reported = []
+    for _ in range(round(seconds / DECISION_S)):
+        slots = simulation.advance()["userdata"][0].mean(axis=0)
         wheels = slots[: block.MACHINE_SLOTS].reshape(4, int(WheelSlot.SIZE))
         machine = slots[block.MACHINE_SLOTS : block.POWER_SLOTS]
-        seen.append(Seen(wheels, machine, cab.hands.steer_rad))
-    return seen
+        reported.append(Slots(wheels, machine, float(simulation.drivers["steer_rad"][0])))
+    return reported
 
 
-def mean(seen: list[Seen]) -> Seen:
+def mean(reported: list[Slots]) -> Slots:
     """The average of entries."""
-    return Seen(
-        np.mean([s.wheels for s in seen], axis=0),
-        np.mean([s.machine for s in seen], axis=0),
-        float(np.mean([s.steer_rad for s in seen])),
+    return Slots(
+        np.mean([s.wheels for s in reported], axis=0),
+        np.mean([s.machine for s in reported], axis=0),
+        float(np.mean([s.steer_rad for s in reported])),
     )

@@ -16,6 +16,7 @@ from twin.physics.block import Wheel
 from twin.physics.validity import outside_validity
 from twin.rig.stand import stand
 from twin.rig.steady import steady
+from twin.rig.table import Measured
 from twin.rig.tyre import MOST_DEFLECTION, Tyre
 from twin.scenario import Soil
 
@@ -28,11 +29,12 @@ SPEED_MPS = 1.5
 
 
 @dataclass(frozen=True, kw_only=True)
-class WheelCurve:
-    """What the wheel rig measured; every field an array of one value per point. Shape (n,)."""
+class WheelPoints(Measured):
+    """What the wheel rig measured of any wheel; one value per point. Shape (n,)."""
 
     slip: Array
-    """(w R - v) / max(|w R|, |v|), by the imposed speeds and the rolling radius under load [-]."""
+    """(w R - v) / max(|w R|, |v|), by the wheel's speeds and the rolling radius under load [-];
+    negative for a skid."""
     slip_angle_rad: Array
     """Between the wheel's plane and its path; positive when it slides to the right."""
     load_n: Array
@@ -45,6 +47,12 @@ class WheelCurve:
     rolling_radius_m: Array
     sinkage_m: Array
     """As the law reports it [m]; a law may know none."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WheelCurve(WheelPoints):
+    """A wheel whose speeds are imposed."""
+
     law_resistance_n: Array
     """Resistance at the hub as the law reports it [N]."""
 
@@ -82,8 +90,7 @@ class WheelCurve:
 
     def columns(self) -> dict[str, Array]:
         """Everything measured and derived, by name."""
-        measured = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
-        return measured | {name: getattr(self, name) for name in DERIVED}
+        return super().columns() | {name: getattr(self, name) for name in DERIVED}
 
     def where(self, keep: NDArray[np.bool_]) -> WheelCurve:
         """The points kept."""
@@ -158,18 +165,8 @@ def outside_range(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Free:
+class Free(WheelPoints):
     """A wheel that one of its speeds is left to: towed without torque, or driven without pull."""
-
-    slip: Array
-    """Skid of the towed wheel (negative), slip of the self-propelled one."""
-    slip_angle_rad: Array
-    load_n: Array
-    net_pull_n: Array
-    axle_torque_nm: Array
-    lateral_n: Array
-    rolling_radius_m: Array
-    sinkage_m: Array
 
     @property
     def towed_ratio(self) -> Array:

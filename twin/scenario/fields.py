@@ -8,9 +8,9 @@ from __future__ import annotations
 import dataclasses
 import typing
 from collections.abc import Mapping
-from typing import Any
 
 from twin.errors import BadInput, UnknownName
+from twin.plugins.lookup import Thing
 
 
 def spelled(path: str) -> str:
@@ -18,14 +18,14 @@ def spelled(path: str) -> str:
     return path.strip().lstrip("-").replace("-", "_")
 
 
-def value(thing: Any, path: str) -> Any:
+def value(thing: Thing, path: str) -> Thing:
     """What stands at a path. Raises as `kind`."""
     for name in path.split("."):
         thing = _part(thing, name, path)
     return thing
 
 
-def kind(thing: Any, path: str) -> Any:
+def kind(thing: Thing, path: str) -> Thing:
     """The annotation of the field at a path.
 
     Raises:
@@ -43,7 +43,7 @@ def kind(thing: Any, path: str) -> Any:
     return typing.get_type_hints(type(owner), include_extras=True)[last]
 
 
-def replaced(thing: Any, values: Mapping[str, Any]) -> Any:
+def replaced(thing: Thing, values: Mapping[str, Thing]) -> Thing:
     """A copy with other values at some paths.
 
     All of one object are set at once, so that only what comes out is checked.
@@ -51,8 +51,8 @@ def replaced(thing: Any, values: Mapping[str, Any]) -> Any:
     Raises:
         UnknownName, BadInput: as `kind`; and what the dataclasses themselves refuse.
     """
-    grouped: dict[str, dict[str, Any]] = {}
-    here: dict[str, Any] = {}
+    grouped: dict[str, dict[str, Thing]] = {}
+    here: dict[str, Thing] = {}
     for path, new in values.items():
         name, _, rest = path.partition(".")
         _part(thing, name, path)
@@ -67,7 +67,7 @@ def replaced(thing: Any, values: Mapping[str, Any]) -> Any:
     return dataclasses.replace(thing, **here) if here else thing
 
 
-def _part(thing: Any, name: str, path: str) -> Any:
+def _part(thing: Thing, name: str, path: str) -> Thing:
     if isinstance(thing, tuple):
         known = [str(i) for i in range(len(thing))]
     elif dataclasses.is_dataclass(thing):

@@ -6,9 +6,9 @@ import dataclasses
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 from twin.errors import BadInput, OutOfRange, UnknownName, check_range
+from twin.io.plain import Plain
 from twin.scenario.soils import LAWS, PRESETS, Deformable, Preset
 
 FRICTIONS, CONE_INDICES_KPA = (0.05, 1.5), (50.0, 5000.0)
@@ -169,7 +169,7 @@ class Soil:
             return dataclasses.replace(preset, **own) if own else preset
         return Deformable(**own) if own.keys() >= set(NEEDED) else None
 
-    def _given(self, *names: str) -> dict[str, Any]:
+    def _given(self, *names: str) -> dict[str, Plain]:
         """The named fields that are not None."""
         return {n: value for n in names if (value := getattr(self, n)) is not None}
 

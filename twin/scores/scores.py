@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.plugins.lookup import Thing
 from twin.streams import Table
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ def window_s(truth: Table, *, settle_s: float = SETTLE_S) -> tuple[float, float]
     return float(min(start, time[-1])), float(time[-1])
 
 
-def scored_window_s(truth: Table, scenario: Any) -> tuple[float, float]:
+def scored_window_s(truth: Table, scenario: Thing) -> tuple[float, float]:
     """`window_s`, or all of a short run.
 
     On a platform the run is short and its totals count from its start; signals without a machine
@@ -64,7 +65,7 @@ def scored_window_s(truth: Table, scenario: Any) -> tuple[float, float]:
     return window_s(truth, settle_s=0.0) if short else window_s(truth)
 
 
-def why_unscored(truth: Table, scenario: Any, end: End | None) -> str | None:
+def why_unscored(truth: Table, scenario: Thing, end: End | None) -> str | None:
     """Why a run that ended early leaves nothing to score; None where there is enough."""
     if end is None or not end.early:
         return None

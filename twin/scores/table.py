@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+
+from twin.io.plain import Plain
 
 COVERAGE = "within ±2 sd [%]"
 """What the share of errors within two reported standard deviations is called everywhere."""
@@ -21,7 +22,7 @@ HEADERS = tuple(RANKS)
 _DEG = 57.29577951308232
 
 
-def score_rows(scores: Mapping[str, Any]) -> list[list[str]]:
+def score_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
     """One row of text per estimator, in the order of HEADERS; a dash where nothing is known.
 
     Below them the bounds: no estimator that knows the motion no better than its statistics has a
@@ -37,7 +38,7 @@ def score_rows(scores: Mapping[str, Any]) -> list[list[str]]:
     return rows
 
 
-def end_lines(scores: Mapping[str, Any]) -> list[str]:
+def end_lines(scores: Mapping[str, Plain]) -> list[str]:
     """End of a run that was not driven as planned, its outcome in capitals; else nothing."""
     end, lines = scores.get("end"), []
     if end is not None and not end["as_planned"]:
@@ -48,7 +49,7 @@ def end_lines(scores: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def slip_lines(scores: Mapping[str, Any]) -> list[str]:
+def slip_lines(scores: Mapping[str, Plain]) -> list[str]:
     """Slip of a recorded drive, one sentence each; nothing for a simulated run."""
     lines = [f"{n}: {_spread(s)}, while driving" for n, s in scores.get("slip", {}).items()]
     for name, slip in scores.get("steady_slip", {}).items():
@@ -67,14 +68,14 @@ def slip_lines(scores: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _spread(slip: Mapping[str, Any]) -> str:
+def _spread(slip: Mapping[str, Plain]) -> str:
     if slip["median"] is None:
         return "no slip estimated"
     spread = f"5-95 % {slip['p05']:.3f} to {slip['p95']:.3f}"
     return f"slip median {slip['median']:.3f}, {spread}, {slip['n']} samples"
 
 
-def _row(name: str, entry: Mapping[str, Any]) -> list[str]:
+def _row(name: str, entry: Mapping[str, Plain]) -> list[str]:
     slip = entry.get("slip", {})
     angle = entry.get("sideslip_angle_rad", {})
     total = entry.get("sideslip_m", {})

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from numpy.random import Generator
 
-from twin.camera.pinhole import CAMERA_DOWN, Array, Pinhole, View, focal_px, matrix, rotation
+from twin.camera.pinhole import CAMERA_DOWN, Array, Pinhole, View, focal_px, rotation
+from twin.compute.quaternion import matrix
 from twin.errors import OutOfRange, UnknownName, check_range
 from twin.sensors.checks import Range, check_fields
 from twin.sensors.noise import generator

@@ -1,17 +1,41 @@
-"""The IMU's anti-alias filter: a digital Butterworth low-pass that carries its state."""
+"""The IMU's anti-alias filter: a digital Butterworth low-pass that carries its state.
+
+It is written out here because importing scipy.signal takes longer than a short run; the tests hold
+it against scipy's.
+"""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from twin.compute.compiled import compiled
 from twin.sensors.noise import Array
 
 
 def low_pass(order: int, cut_hz: float, rate_hz: float) -> Array:
-    """Second-order sections of a Butterworth low-pass, shape (sections, 6)."""
-    from scipy.signal import butter  # late: importing it takes longer than the rest together
+    """Second-order sections of a Butterworth low-pass, shape (sections, 6).
 
-    return np.asarray(butter(order, cut_hz, fs=rate_hz, output="sos"), float)
+        w = 4 tan(pi f / rate),  p_m = -w exp(i pi m / 2 N),  m = -N + 1, -N + 3, ... N - 1
+        z_m = (4 + p_m) / (4 - p_m),  gain = w**N / prod(4 - p_m)
+
+    by the bilinear transform; poles near the unit circle come last, and the first section has the
+    gain. Source: Oppenheim and Schafer, Discrete-Time Signal Processing, 7.1.
+    """
+    warped = 4.0 * math.tan(math.pi * (cut_hz / (0.5 * rate_hz)) / 2.0)
+    m = np.arange(-order + 1, order, 2)
+    poles = warped * -np.exp(1j * np.pi * m / (2 * order))
+    gain = warped**order * np.real(1.0 / np.prod(4.0 - poles))
+    placed = (4.0 + poles) / (4.0 - poles)
+    upper = placed[placed.imag > 1e-12]
+    sections = [[1.0, 1.0, 0.0, 1.0, -p.real, 0.0] for p in placed[np.abs(placed.imag) <= 1e-12]]
+    for pole in upper[np.argsort(np.abs(upper))]:
+        squared = (pole * pole.conjugate()).real
+        sections.append([1.0, 2.0, 1.0, 1.0, -2.0 * pole.real, squared])
+    out = np.array(sections)
+    out[0, :3] *= gain
+    return out
 
 
 def group_delay_s(sections: Array, rate_hz: float) -> float:
@@ -30,19 +54,38 @@ def group_delay_s(sections: Array, rate_hz: float) -> float:
 
 
 def settled(sections: Array, value: Array) -> Array:
-    """Filter state after an endless constant input, shape (sections, 2, m)."""
-    from scipy.signal import sosfilt_zi
+    """Filter state after an endless constant input, shape (sections, 2, m).
 
-    state: Array = np.asarray(sosfilt_zi(sections))[:, :, None] * value
-    return state
+    z = A z + B with A the transposed companion matrix of a, and B_k = b_k - a_k b_0.
+    """
+    scale, state = 1.0, np.empty((len(sections), 2))
+    for i, (b0, b1, b2, _, a1, a2) in enumerate(sections):
+        matrix = np.array([[1.0 + a1, -1.0], [a2, 1.0]])
+        state[i] = scale * np.linalg.solve(matrix, np.array([b1 - a1 * b0, b2 - a2 * b0]))
+        scale *= (b0 + b1 + b2) / (1.0 + a1 + a2)
+    return np.asarray(state[:, :, None] * value)
 
 
 def filtered(sections: Array, state: Array, x: Array) -> tuple[Array, Array]:
     """The filter's state after x and its output; x and output of shape (n, m).
 
-    scipy's sosfilt works sample by sample, so cutting x anywhere changes no bit (tested).
+    It works sample by sample, so cutting x anywhere changes no bit (tested).
     """
-    from scipy.signal import sosfilt
-
-    y, after = sosfilt(sections, x, axis=0, zi=state)
+    x = np.ascontiguousarray(x)  # one layout, compiled once
+    after, y = state.copy(), np.empty(x.shape)
+    _filter(sections, after, x, y)
     return after, y
+
+
+@compiled
+def _filter(sections: Array, state: Array, x: Array, y: Array) -> None:
+    """Transposed direct form II of each section in turn; the state is changed in place."""
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            value = x[i, j]
+            for k in range(sections.shape[0]):
+                out = sections[k, 0] * value + state[k, 0, j]
+                state[k, 0, j] = sections[k, 1] * value - sections[k, 4] * out + state[k, 1, j]
+                state[k, 1, j] = sections[k, 2] * value - sections[k, 5] * out
+                value = out
+            y[i, j] = value

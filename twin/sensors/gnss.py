@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
+from twin.compute.quaternion import cross, rotated
 from twin.sensors.checks import Range, check_fields
 from twin.sensors.fix import QUALITY, Mode, Outage, Timeline, active, check_outages, timeline
 from twin.sensors.noise import Array, GaussMarkov, advance, gauss_markov, generator
@@ -143,8 +143,9 @@ def sample(config: Gnss, state: GnssState, chunk: Trajectory) -> tuple[GnssState
         coloured[name], colours[name] = advance(state.coloured[name], step_s)
     draws = {n: state.white[n].standard_normal((count, 3)) for n in WHITE}
 
-    arm_w = rotate(at["world_from_body"], np.asarray(config.lever_arm_error_m))
-    swing_w = rotate(at["world_from_body"], _cross(at["gyro_b"], config.lever_arm_error_m))
+    error_m = np.asarray(config.lever_arm_error_m, np.float64)
+    arm_w = rotated(at["world_from_body"], error_m)
+    swing_w = rotated(at["world_from_body"], cross(at["gyro_b"], error_m))
     delay_s = config.latency_s + config.latency_jitter_s * np.abs(draws["latency"][:, 0])
     last_ns, arrival_ns = arrivals(state.arrival_ns, epoch_ns, delay_s)
     table: Table = {"epoch_ns": epoch_ns, "arrival_ns": arrival_ns}
@@ -244,32 +245,3 @@ def wrap(angle_rad: Array) -> Array:
     """The angle in (-pi, pi]."""
     wrapped: Array = pi - np.mod(pi - angle_rad, 2.0 * pi)
     return wrapped
-
-
-def rotate(quaternion: Array, vector: NDArray[np.float64]) -> Array:
-    """Vectors turned by unit quaternions wxyz: v + 2 w (q x v) + 2 q x (q x v).
-
-    Args:
-        quaternion: shape (n, 4).
-        vector: shape (3,) or (n, 3).
-
-    Returns:
-        Shape (n, 3).
-    """
-    w, q = quaternion[:, :1], quaternion[:, 1:]
-    once = _cross(q, vector)
-    turned: Array = vector + 2.0 * (w * once + _cross(q, once))
-    return turned
-
-
-def _cross(a: Array, b: NDArray[np.float64] | tuple[float, float, float]) -> Array:
-    """Cross product written out, because it must not depend on how many rows there are."""
-    c = np.asarray(b, float)
-    return np.stack(
-        [
-            a[:, 1] * c[..., 2] - a[:, 2] * c[..., 1],
-            a[:, 2] * c[..., 0] - a[:, 0] * c[..., 2],
-            a[:, 0] * c[..., 1] - a[:, 1] * c[..., 0],
-        ],
-        axis=1,
-    )

@@ -6,12 +6,13 @@ and nothing is taken from the state after it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.compute import quaternion
 from twin.machine.build import Machine
 from twin.machine.fuel import fuel_lph
 from twin.physics import block
@@ -20,6 +21,8 @@ from twin.trajectory.end import End
 from twin.trajectory.trajectory import Trajectory
 
 Array = NDArray[np.float64]
+Record: TypeAlias = dict[str, Array]
+"""What a Batch recorded after each step, by name. Shapes (nsim, steps, ...)."""
 
 WHEEL_COLUMNS = {
     "rolling_radius_m": WheelSlot.ROLLING_RADIUS_M,
@@ -87,9 +90,7 @@ class Recorder:
         """Simulated time recorded so far."""
         return self.steps * self.step_ns * 1e-9
 
-    def trajectory(
-        self, records: Sequence[dict[Any, NDArray[Any]]], end: End | None = None
-    ) -> Trajectory:
+    def trajectory(self, records: Sequence[Record], end: End | None = None) -> Trajectory:
         """One trajectory from consecutive records of (1, steps, ...) each; the last has an end."""
         sensordata = np.concatenate([r["sensordata"][0] for r in records])  # (n, nsensordata)
         slots = np.concatenate([r["userdata"][0] for r in records])  # (n, nuserdata)
@@ -167,7 +168,7 @@ class Recorder:
         place = place_w @ self.world_from_ground
         return self.heights.at(place[:, 0], place[:, 1])
 
-    def _laser(self, sensor: Any, n: int) -> dict[str, Array]:
+    def _laser(self, sensor: Callable[[str], Array], n: int) -> dict[str, Array]:
         """True range of the depth laser to the ground below it, and inclination of its frame.
 
         None without a plough.
@@ -175,9 +176,9 @@ class Recorder:
         if not self.plough:
             names = ("laser_m", "inclination_rad", "plough_pitch_rad")
             return {name: np.full(n, np.nan) for name in names}
-        w, x, y, z = sensor("plough.world_from_laser").T
-        down = np.stack([-2 * (x * z + w * y), -2 * (y * z - w * x), 2 * (x * x + y * y) - 1], 1)
-        ahead_up = 2 * (x * z - w * y)
+        attitude = sensor("plough.world_from_laser").T
+        down = -np.stack(quaternion.z_axis(*attitude), axis=1)
+        _, _, ahead_up = quaternion.x_axis(*attitude)
         laser_w = sensor("plough.laser_w")
         above_m = laser_w @ self.normal - self._height_m(laser_w)
         return {

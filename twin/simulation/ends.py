@@ -1,4 +1,4 @@
-"""The watch for an early end: after every decision of the driver, whether the drive goes on."""
+"""Early ends: after every decision of the driver, whether the drive goes on."""
 
 from __future__ import annotations
 
@@ -6,22 +6,15 @@ import math
 from collections import deque
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from twin.machine.build import Machine
-from twin.physics import block
-from twin.physics.block import WheelSlot
+from twin.physics.shapes import Vector
 from twin.simulation.driver import LOOKAHEAD_M
 from twin.trajectory.end import LOOK_BACK_S, NOW_S, OVERSPEED, STALL_M, STUCK_SLIP, Outcome
-
-Array = NDArray[np.float64]
+from twin.truth.motion import compiled_slip_ratio
 
 LEFT_M = LOOKAHEAD_M
 """So much further beside the line the driver has lost it [m]: the point of it that he steers for
 lies no further ahead."""
-SLOWEST_MPS = 0.05
-"""Below this speed slip says nothing, as in the truth."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +28,7 @@ class Stance:
     wheelbase_m: float
     half_track_m: float
 
-    def falls(self, up_b: Array) -> bool:
+    def falls(self, up_b: Vector) -> bool:
         """Whether the centre of gravity lies beyond the wheels, so that its weight turns it over.
 
         The plumb line from it meets the plane of the wheels at
@@ -43,9 +36,9 @@ class Stance:
         outside 0 <= x <= wheelbase, |y| <= track / 2: the static overturning angle of a rigid body.
 
         Args:
-            up_b: unit vector against gravity, in the body's axes. Shape (3,).
+            up_b: unit vector against gravity, in the body's axes.
         """
-        x, y, z = (float(component) for component in up_b)
+        x, y, z = up_b
         if z <= 0.0:
             return True
         foot_m = self.ahead_m - self.height_m * x / z
@@ -66,15 +59,15 @@ def stance(machine: Machine) -> Stance:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Moment:
+class Progress:
     """What is looked at after a decision of the driver."""
 
     along_m: float
     left_m: float
     follows: bool
     """Steered along a line: not on a headland, nor free of it."""
-    up_b: Array
-    """Unit vector against gravity in the body's axes. Shape (3,)."""
+    up_b: Vector
+    """Unit vector against gravity in the body's axes."""
     rim_mps: float
     """w R of the driven wheels, their mean."""
     hub_mps: float
@@ -82,14 +75,7 @@ class Moment:
     engine_rpm: float
 
 
-def driven_speeds(slots: Array, driven: list[int]) -> tuple[float, float]:
-    """Mean w R and mean hub speed of the driven wheels, from the callback's slots."""
-    wheels = slots[: block.MACHINE_SLOTS].reshape(len(block.WHEELS), int(WheelSlot.SIZE))[driven]
-    rim = wheels[:, WheelSlot.RATE_RADPS] * wheels[:, WheelSlot.ROLLING_RADIUS_M]
-    return float(rim.mean()), float(wheels[:, WheelSlot.SPEED_X_MPS].mean())
-
-
-class Watch:
+class EndMonitor:
     """Looks for an early end after every decision of the driver."""
 
     def __init__(self, machine: Machine, period_s: float) -> None:
@@ -103,7 +89,7 @@ class Watch:
         """On a new line or arc, distances are counted anew."""
         self.reached_m, self.standing_s, self.nearest_m = -math.inf, 0.0, math.inf
 
-    def look(self, now: Moment) -> tuple[Outcome, float] | None:
+    def look(self, now: Progress) -> tuple[Outcome, float] | None:
         """The early end that has come now, and what was measured; None while it drives on."""
         _, rim_m, hub_m = self.past[-1]
         rim_m, hub_m = rim_m + now.rim_mps * self.period_s, hub_m + now.hub_mps * self.period_s
@@ -115,7 +101,7 @@ class Watch:
         racing = abs(now.engine_rpm) > self.limit_rpm
         self.racing_s = self.racing_s + self.period_s if racing else 0.0
         if self.stance.falls(now.up_b):
-            return Outcome.ROLLED_OVER, math.degrees(math.acos(min(1.0, float(now.up_b[2]))))
+            return Outcome.ROLLED_OVER, math.degrees(math.acos(min(1.0, now.up_b[2])))
         if now.follows and abs(now.left_m) > self.nearest_m + LEFT_M:
             return Outcome.LEFT_LINE, abs(now.left_m)
         slip, lately = self._slip(NOW_S), self._slip(LOOK_BACK_S)
@@ -136,4 +122,4 @@ class Watch:
             return 0.0
         (_, rim_m, hub_m), (_, rim_then_m, hub_then_m) = self.past[-1], self.past[-1 - count]
         rim_mps, hub_mps = (rim_m - rim_then_m) / time_s, (hub_m - hub_then_m) / time_s
-        return (rim_mps - hub_mps) / max(abs(rim_mps), abs(hub_mps), SLOWEST_MPS)
+        return float(compiled_slip_ratio(rim_mps, hub_mps))

@@ -1,4 +1,4 @@
-"""The non-finite guard: what went wrong first, and a folder that repeats it.
+"""The guard against what is not finite: what went wrong first, and a folder that repeats it.
 
 A run keeps its last second of states, one per decision of the driver. Where a number stops being
 finite, or MuJoCo warns, the physics is repeated step by step from the last of them to find which
@@ -23,7 +23,6 @@ import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -74,7 +73,7 @@ class Evidence:
     """All that repeats a failure."""
 
     scenario: Scenario
-    model: Any
+    model: mujoco.MjModel
     """mujoco.MjModel as it ran, with its parameter block."""
     states: Array
     """mjSTATE_INTEGRATION with the controls decided on, oldest first. Shape (n, nstate)."""
@@ -107,23 +106,23 @@ class Replay:
     """None where nothing failed."""
 
 
-class Tape:
+class StateRing:
     """The states at the last decisions: a ring that is written over."""
 
-    def __init__(self, nstate: int, decision_s: float) -> None:
-        self._rows = np.empty((round(KEPT_S / decision_s), nstate))
+    def __init__(self, shape: tuple[int, ...], count: int) -> None:
+        """Room for so many arrays of a shape, (nsim, nstate)."""
+        self._rows = np.empty((count, *shape))
         self._count = 0
 
     def keep(self, state: Array) -> None:
-        """Keep one more state. Shape (nstate,)."""
+        """Keep one more. Shape (nsim, nstate)."""
         self._rows[self._count % len(self._rows)] = state
         self._count += 1
 
-    def states(self) -> Array:
-        """What is kept, oldest first. Shape (n, nstate)."""
-        if self._count < len(self._rows):
-            return self._rows[: self._count].copy()
-        return np.roll(self._rows, -(self._count % len(self._rows)), axis=0)
+    def states(self, i: int = 0) -> Array:
+        """What is kept of one simulation, oldest first. Shape (n, nstate)."""
+        rows = self._rows[: self._count, i]
+        return np.roll(rows, -(self._count % len(rows)) if self._count > len(rows) else 0, axis=0)
 
 
 def all_finite(values: Array) -> bool:
@@ -133,18 +132,22 @@ def all_finite(values: Array) -> bool:
 
 
 def diverged(
-    scenario: Scenario, model: Any, tape: Tape, steps: int, *, during: str = "the run of"
+    scenario: Scenario,
+    model: mujoco.MjModel,
+    states: Array,
+    steps: int,
+    *,
+    during: str = "the run of",
 ) -> Diverged:
     """The error of a run whose last decision led to a failure, with its evidence.
 
     Args:
         scenario: what was run.
         model: as it ran.
-        tape: its last states.
+        states: its last ones, oldest first. Shape (n, nstate).
         steps: physics steps from one of them to the next.
         during: what was being done.
     """
-    states = tape.states()
     failure = repeat(model, states[-1:], steps).failure or _unrepeatable(model, states[-1])
     evidence = Evidence(scenario=scenario, model=model, states=states, steps=steps, failure=failure)
     return Diverged(_message(failure, during, scenario), evidence)
@@ -177,7 +180,7 @@ def replay(folder: Path) -> Replay:
     return repeat(model, states, steps)
 
 
-def repeat(model: Any, states: Array, steps: int) -> Replay:
+def repeat(model: mujoco.MjModel, states: Array, steps: int) -> Replay:
     """Step from the first state with each one's controls, up to the first failure.
 
     Args:
@@ -205,7 +208,7 @@ def repeat(model: Any, states: Array, steps: int) -> Replay:
     return Replay(states=taken, failure=None)
 
 
-def _fault(model: Any, state: Any) -> tuple[str, float] | None:
+def _fault(model: mujoco.MjModel, state: mujoco.MjData) -> tuple[str, float] | None:
     """The first quantity that is no number or beyond MuJoCo's limit: cause before effect."""
     looked_at = (
         (state.userdata, math.inf, _slot),
@@ -223,7 +226,7 @@ def _fault(model: Any, state: Any) -> tuple[str, float] | None:
     return (warning_text(warned[0]), math.nan) if warned else None
 
 
-def _slot(model: Any, k: int) -> str:
+def _slot(model: mujoco.MjModel, k: int) -> str:
     """Name of a slot of userdata."""
     if k < block.MACHINE_SLOTS:
         wheel, slot = divmod(k, int(WheelSlot.SIZE))
@@ -237,16 +240,16 @@ def _slot(model: Any, k: int) -> str:
     return f"rate of {name_of(model, k - block.RATE_SLOTS)}"
 
 
-def _dof(model: Any, k: int) -> str:
+def _dof(model: mujoco.MjModel, k: int) -> str:
     return _joint(model, int(model.dof_jntid[k]), k - int(model.jnt_dofadr[model.dof_jntid[k]]))
 
 
-def _coordinate(model: Any, k: int) -> str:
+def _coordinate(model: mujoco.MjModel, k: int) -> str:
     joint = int(np.flatnonzero(model.jnt_qposadr <= k)[-1])
     return _joint(model, joint, k - int(model.jnt_qposadr[joint]))
 
 
-def _joint(model: Any, joint: int, k: int) -> str:
+def _joint(model: mujoco.MjModel, joint: int, k: int) -> str:
     if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE:
         body = model.body(int(model.jnt_bodyid[joint])).name
         return f"body {body} ({'along ' + 'xyz'[k] if k < 3 else 'rotation'})"
@@ -258,7 +261,7 @@ def warning_text(number: int) -> str:
     return f"MuJoCo's warning {mujoco.mjtWarning(number).name}"
 
 
-def _unrepeatable(model: Any, state: Array) -> Failure:
+def _unrepeatable(model: mujoco.MjModel, state: Array) -> Failure:
     """A failure the repeated steps did not show."""
     data = mujoco.MjData(model)
     mujoco.mj_setState(model, data, state, STATE)
@@ -272,5 +275,5 @@ def _message(failure: Failure, during: str, scenario: Scenario) -> str:
     return f"{what} at {failure.time_s:.3f} s of {during} '{scenario.name}' (seed {scenario.seed})"
 
 
-def _json(value: Any) -> str:
+def _json(value: object) -> str:
     return json.dumps(value, indent=2, allow_nan=False) + "\n"

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import replace
-from typing import Any
+
+from mujoco.batch import Batch
 
 from twin.machine.build import Machine
 from twin.physics import block
@@ -24,7 +25,7 @@ SIDES = {"right": "left", "left": "right", "none": "none"}
 class Passes:
     """What of a run changes from pass to pass."""
 
-    def __init__(self, machine: Machine, batch: Any) -> None:
+    def __init__(self, machine: Machine, batch: Batch) -> None:
         self.machine, self.batch = machine, batch
         self.count, self.legs = 1, deque([Leg(0.0, 0.0, 0.0)])
         self.more = machine.scenario.course.passes > 1

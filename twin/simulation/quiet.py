@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
-from typing import Any
 
 import mujoco
 from numba import types
@@ -26,11 +25,11 @@ def quiet() -> Iterator[None]:
 
 
 @cache
-def _silence() -> Any:
+def _silence() -> Callable[[bytes], None]:
     """A C function that does nothing, and needs no Python lock from a Batch's threads."""
     address = c_callback(types.void(types.voidptr))(_nothing).address
     return ctypes.CFUNCTYPE(None, ctypes.c_void_p)(address)
 
 
-def _nothing(text: Any) -> None:
+def _nothing(text: bytes) -> None:
     pass

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.machine.ground_frame import quaternion
+from twin.compute import quaternion
 from twin.machine.start import Settled, raised_rad
 from twin.physics import block
 from twin.physics.block import WheelSlot
 from twin.scenario import Scenario
-from twin.simulation.guard import STATE, Diverged, Tape, all_finite, diverged, warning_text
+from twin.simulation.guard import KEPT_S, STATE, StateRing, all_finite, diverged
 from twin.simulation.quiet import quiet
 
 Array = NDArray[np.float64]
@@ -28,7 +27,7 @@ LOOK_S = 0.02
 """Time between two looks whether it is still finite."""
 
 
-def settled(model: Any, qpos: Array, rotation: Array, scenario: Scenario) -> Settled:
+def settled(model: mujoco.MjModel, qpos: Array, rotation: Array, scenario: Scenario) -> Settled:
     """Where the machine comes to rest with the brakes on and the plough carried.
 
     Raises:
@@ -51,21 +50,24 @@ def settled(model: Any, qpos: Array, rotation: Array, scenario: Scenario) -> Set
     return Settled(rest, act, load_n)
 
 
-def _settle(model: Any, state: Any, scenario: Scenario) -> None:
+def _settle(model: mujoco.MjModel, state: mujoco.MjData, scenario: Scenario) -> None:
     """Let it come to rest, and refuse what diverges."""
     row = np.empty(mujoco.mj_stateSize(model, STATE))
-    tape, steps = Tape(len(row), LOOK_S), round(LOOK_S / model.opt.timestep)
+    ring, steps = (
+        StateRing((1, len(row)), round(KEPT_S / LOOK_S)),
+        round(LOOK_S / model.opt.timestep),
+    )
     for k in range(round(SETTLE_S / LOOK_S)):
         slides = model.nhfield > 0 and np.linalg.norm(state.qvel[:3]) > SLIDING_MPS
         if slides and k >= round(SLIDING_SETTLE_S / LOOK_S):
             return
         mujoco.mj_getState(model, state, row, STATE)
-        tape.keep(row)
+        ring.keep(row)
         with quiet():
             mujoco.mj_step(model, state, steps)
         finite = all(all_finite(a) for a in (state.qpos, state.qvel, state.act, state.userdata))
         if not finite or any(w.number for w in state.warning):
-            raise diverged(scenario, model, tape, steps, during="settling")
+            raise diverged(scenario, model, ring.states(), steps, during="settling")
 
 
 def back_on_line(settled_qpos: Array, start_qpos: Array, rotation: Array) -> Array:
@@ -83,12 +85,5 @@ def back_on_line(settled_qpos: Array, start_qpos: Array, rotation: Array) -> Arr
     undo = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
     out = settled_qpos.copy()
     out[:3] = rotation @ place
-    out[3:7] = quaternion(rotation @ undo @ rotation.T @ body.reshape(3, 3))
+    out[3:7] = quaternion.from_matrix(rotation @ undo @ rotation.T @ body.reshape(3, 3))
     return out
-
-
-def refuse_warnings(counts: NDArray[Any], name: str, time_s: float) -> None:
-    """Raise Diverged if MuJoCo has warned."""
-    warned = np.flatnonzero(counts)
-    if len(warned):
-        raise Diverged(f"{warning_text(int(warned[0]))} after {time_s:.2f} s of '{name}'")

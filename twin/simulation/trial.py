@@ -26,7 +26,7 @@ TRIES, ENOUGH_M = 4, 0.002
 
 
 @dataclass(frozen=True)
-class Found:
+class FurrowMeans:
     """Means at the end of a trial furrow."""
 
     hitch_rad: float
@@ -82,7 +82,7 @@ def _expected(scenario: Scenario, plough: Plough) -> Scenario:
     return replace(scenario, soil=soil, field=field, plough=plough, course=COURSE)
 
 
-def _ploughed(machine: Machine) -> Found | None:
+def _ploughed(machine: Machine) -> FurrowMeans | None:
     """Means of the last seconds of a drive; None where it ended early."""
     parts = list(simulate(machine))
     end = parts[-1].end
@@ -93,4 +93,4 @@ def _ploughed(machine: Machine) -> Found | None:
     def mean(name: str) -> float:
         return float(np.mean(np.concatenate([part[name] for part in parts])[-rows:]))
 
-    return Found(mean("hitch_rad"), mean("draft_n"), mean("depth_m"))
+    return FurrowMeans(mean("hitch_rad"), mean("draft_n"), mean("depth_m"))

@@ -13,6 +13,7 @@ from typing import Any
 
 from twin.errors import TwinError
 from twin.io.atomic import written_when_complete
+from twin.io.plain import Plain
 from twin.pipeline import named as registry
 from twin.pipeline.estimating import estimates
 from twin.pipeline.scored import bound
@@ -20,7 +21,7 @@ from twin.plugins.lookup import line
 from twin.scores import scores
 from twin.studies.plan import Case
 
-Row = dict[str, Any]
+Row = dict[str, Plain]
 
 
 def write(case: Case, folder: Path) -> None:
@@ -86,7 +87,7 @@ def seeded(estimator: Any, seed: int) -> Any:
     return dataclasses.replace(estimator, seed=seed) if chance else estimator
 
 
-def flat(tree: Mapping[str, Any]) -> Row:
+def flat(tree: Mapping[str, Plain]) -> Row:
     """`{"slip": {"rmse": x}}` as `{"slip.rmse": x}`; counts become plain numbers."""
     out: Row = {}
     for name, value in tree.items():

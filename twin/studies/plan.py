@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from twin.errors import BadInput
-from twin.io.plain import to_plain
+from twin.io.plain import Plain, to_plain
 from twin.pipeline import named as registry
 from twin.pipeline.unread import complaint
 from twin.scenario import Scenario, fields
@@ -27,7 +27,7 @@ class Case:
 
     scenario: str
     """As it was asked for."""
-    swept: tuple[tuple[str, Any], ...]
+    swept: tuple[tuple[str, Plain], ...]
     """Path and value of each swept field."""
     run: Any
     """The scenario itself, swept fields and seed in place."""
@@ -41,7 +41,7 @@ def plan(
     scenarios: Sequence[str],
     seeds: Sequence[int],
     estimators: Sequence[str],
-    sweeps: Mapping[str, Sequence[Any]],
+    sweeps: Mapping[str, Sequence[Plain]],
 ) -> list[Case]:
     """Every combination, each once, in the order given; the last sweep changes fastest but seeds.
 
@@ -68,17 +68,17 @@ def plan(
     return cases
 
 
-def left_out(scenarios: Sequence[str], sweeps: Mapping[str, Sequence[Any]]) -> list[str]:
+def left_out(scenarios: Sequence[str], sweeps: Mapping[str, Sequence[Plain]]) -> list[str]:
     """What of a plan is left out and why, a sentence each. Arguments and errors as `plan`."""
     return _settings(scenarios, sweeps)[1]
 
 
-Setting = tuple[str, tuple[tuple[str, Any], ...], Any]
+Setting = tuple[str, tuple[tuple[str, Plain], ...], Any]
 """Name of a scenario, path and value of each swept field, and the scenario with them."""
 
 
 def _settings(
-    scenarios: Sequence[str], sweeps: Mapping[str, Sequence[Any]]
+    scenarios: Sequence[str], sweeps: Mapping[str, Sequence[Plain]]
 ) -> tuple[list[Setting], list[str]]:
     """The settings of a plan, and what is said of those that are left out.
 
@@ -110,7 +110,7 @@ def _told(name: str, estimator: Any) -> Any:
     return [name, to_plain(estimator) if shows else None]
 
 
-def _digest(run: Any, told: Mapping[str, Any]) -> str:
+def _digest(run: Any, told: Mapping[str, Plain]) -> str:
     run = run.with_numbers() if isinstance(run, Scenario) else run  # an edited preset is another
     said = {"kind": type(run).__qualname__, "run": to_plain(run), "estimators": told}
     text = json.dumps(said, sort_keys=True, default=repr)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from twin.errors import BadInput
+from twin.io.plain import Plain
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -28,7 +29,7 @@ class Study:
     """A row for each run and estimator."""
     groups: Sequence[Group]
     """Rows of one setting and estimator, over the seeds."""
-    summary: Sequence[Mapping[str, Any]]
+    summary: Sequence[Mapping[str, Plain]]
     """Means with 95 % intervals, as rows of results."""
     not_driven: Sequence[str] = ()
     """Runs that were not driven as planned, in words."""
@@ -40,11 +41,11 @@ def study(
     *,
     out: Path | str,
     seeds: Iterable[int] = range(10),
-    sweeps: Mapping[str, Sequence[Any]] | None = None,
+    sweeps: Mapping[str, Sequence[Plain]] | None = None,
     against: str | None = None,
     jobs: int = -1,
     backend: str = "loky",
-    options: Mapping[str, Any] | None = None,
+    options: Mapping[str, Plain] | None = None,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Study:
     """Scenarios x sweeps x seeds, every estimator on each; a stopped study can be continued.

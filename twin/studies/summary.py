@@ -17,9 +17,10 @@ from typing import Any
 
 import numpy as np
 
+from twin.io.plain import Plain
 from twin.io.result_rows import row
 
-Row = Mapping[str, Any]
+Row = Mapping[str, Plain]
 
 UNITS = {"m": "m", "rad": "rad", "mps": "m/s", "kmh": "km/h", "kn": "kN"}
 """Last part of a quantity's name -> its unit."""
@@ -37,7 +38,7 @@ class Group:
     """The runs that differ in nothing but the seed."""
 
     scenario: str
-    swept: tuple[tuple[str, Any], ...]
+    swept: tuple[tuple[str, Plain], ...]
     estimator: str
     rows: tuple[Row, ...]
 
@@ -159,7 +160,7 @@ def differences_to(found: Sequence[Group], quantity: str, against: str) -> list[
 
 def rows(
     found: Sequence[Group], measured: Sequence[str], against: str | None = None
-) -> list[dict[str, Any]]:
+) -> list[dict[str, Plain]]:
     """Rows as `twin.io.result_rows` writes them, the interval in low and high.
 
     Args:
@@ -183,7 +184,7 @@ def rows(
     return out
 
 
-def _row(case: str, name: str, found: Mean, quantity: str) -> list[dict[str, Any]]:
+def _row(case: str, name: str, found: Mean, quantity: str) -> list[dict[str, Plain]]:
     if found.n == 0:
         return []
     line = row(case, name, found.mean, _unit(quantity))

@@ -14,6 +14,7 @@ import joblib
 
 from twin.compute.parallel import Counted
 from twin.errors import BadInput, NoSpace
+from twin.io.plain import Plain
 from twin.plugins.lookup import attribute, line
 from twin.studies import part
 from twin.studies.plan import Case
@@ -36,7 +37,7 @@ def work(
     *,
     jobs: int = -1,
     backend: str = LOCAL,
-    options: Mapping[str, Any] | None = None,
+    options: Mapping[str, Plain] | None = None,
     progress: Callable[[float], None] = lambda share: None,
 ) -> None:
     """Do the runs that have no part yet.
@@ -73,7 +74,7 @@ def work(
         leftover.unlink(missing_ok=True)
 
 
-def _workers(backend: str, jobs: int, options: Mapping[str, Any]) -> Any:
+def _workers(backend: str, jobs: int, options: Mapping[str, Plain]) -> Any:
     """joblib's context for a backend."""
     try:
         if backend in REGISTERED_BY:

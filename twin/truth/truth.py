@@ -1,13 +1,7 @@
 """The truth an estimate is scored against, from a noise-free trajectory.
 
-Slip has one definition, per wheel and for the driven axle (means of w R and v over the driven
-wheels):
-
-    s = (w R - v) / max(|w R|, |v|, 0.05 m/s)
-
-v is the wheel centre's velocity along its rolling direction on the ground, R the radius at which
-the law's own slip is zero. Sideslip is measured in the ground plane, with x the body's x axis
-projected on it and y = n x x:
+Slip and the axes of the ground plane are those of `twin.truth.motion`. Sideslip is measured in
+them:
 
     beta = atan2(v_y, v_x)        sideslip amount = integral of v_y dt
 
@@ -22,70 +16,46 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.compute.quaternion import rotated
+from twin.physics.tyre import SLOWEST_MPS
 from twin.streams import WHEELS, Table
 from twin.trajectory.trajectory import Trajectory
+from twin.truth.motion import Wheels, driven_axle, ground_velocity, slip_ratio
 
 Array = NDArray[np.float64]
 
 PERIOD_NS = 20_000_000
-SLOWEST_MPS = 0.05
 JOINTS = (
     "fl_spin", "fr_spin", "rl_spin", "rr_spin",
     "fl_steer", "fr_steer", "front_swing", "lift", "plough_pitch",
 )  # fmt: skip
 
 
-def slip_ratio(wheel_speed_mps: Array, speed_mps: Array) -> Array:
-    """s = (w R - v) / max(|w R|, |v|, 0.05 m/s)"""
-    largest = np.maximum(np.abs(wheel_speed_mps), np.abs(speed_mps))
-    return np.asarray((wheel_speed_mps - speed_mps) / np.maximum(largest, SLOWEST_MPS))
-
-
-def rotate(quaternion: Array, vector: Array) -> Array:
-    """v' = v + 2 w (q x v) + 2 q x (q x v). Shapes (n, 4) wxyz and (n, 3) -> (n, 3)."""
-    w, q = quaternion[:, :1], quaternion[:, 1:]
-    twice = 2.0 * np.cross(q, vector)
-    return np.asarray(vector + w * twice + np.cross(q, twice))
-
-
-def ground_axes(world_from_body: Array, normal_w: Array) -> tuple[Array, Array]:
-    """Axes x (the body's, projected on the ground plane) and y = n x x, world. Shapes (n, 3)."""
-    ahead = rotate(world_from_body, np.broadcast_to([1.0, 0.0, 0.0], normal_w.shape))
-    ahead = ahead - np.sum(ahead * normal_w, axis=1, keepdims=True) * normal_w
-    ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
-    return ahead, np.cross(normal_w, ahead)
-
-
 def sample(trajectory: Trajectory, driven: Sequence[str]) -> Table:
     """Truth at 50 Hz from a chunk of trajectory; integrals are left to `integrate`."""
     kept = trajectory.epoch_ns % PERIOD_NS == 0
     column = {name: values[kept] for name, values in trajectory.columns.items()}
-    normal = column["ground_normal_w"]
-    ahead, left = ground_axes(column["world_from_body"], normal)
-
-    def along(axis: Array, vector: Array) -> Array:
-        return np.asarray(np.sum(axis * vector, axis=1))
-
+    normal, attitude = column["ground_normal_w"], column["world_from_body"]
     table: Table = {"epoch_ns": trajectory.epoch_ns[kept]}
     table |= dict(zip(("east_m", "north_m", "up_m"), column["position_w"].T, strict=True))
-    table |= dict(zip(("qw", "qx", "qy", "qz"), column["world_from_body"].T, strict=True))
+    table |= dict(zip(("qw", "qx", "qy", "qz"), attitude.T, strict=True))
     for suffix, velocity in (("", column["cg_velocity_w"]), ("_rear", column["velocity_w"])):
-        v_x, v_y = along(ahead, velocity), along(left, velocity)
+        v_x, v_y = ground_velocity(attitude, normal, velocity)
         moving = np.hypot(v_x, v_y) >= SLOWEST_MPS
         table[f"v_x{suffix}_mps"], table[f"v_y{suffix}_mps"] = v_x, v_y
         table[f"sideslip{suffix}_rad"] = np.where(moving, np.arctan2(v_y, v_x), np.nan)
-    table["yaw_rate_radps"] = along(normal, rotate(column["world_from_body"], column["gyro_b"]))
+    table["yaw_rate_radps"] = np.sum(normal * rotated(attitude, column["gyro_b"]), axis=1)
     table["speed_mps"] = table["v_x_rear_mps"]
     return table | _wheels(column, driven) | _joints(column) | _powers(trajectory, kept)
 
 
 def _wheels(column: dict[str, Array], driven: Sequence[str]) -> Table:
     """Slip of each wheel and of the driven axle, loads, and the machine's forces."""
-    chosen = [WHEELS.index(w) for w in driven]
-    rim = column["spin_radps"] * column["rolling_radius_m"]  # (n, 4)
-    wheel_speed = rim[:, chosen].mean(axis=1)
-    speed = column["wheel_speed_x_mps"][:, chosen].mean(axis=1)
-    table: Table = {"wheel_speed_mps": wheel_speed, "slip": slip_ratio(wheel_speed, speed)}
+    places = np.array([WHEELS.index(w) for w in driven])
+    wheels = Wheels(column["spin_radps"], column["rolling_radius_m"], column["wheel_speed_x_mps"])
+    axle = driven_axle(wheels, places)
+    slip = slip_ratio(axle.wheel_speed_mps, axle.hub_mps)
+    table: Table = {"wheel_speed_mps": axle.wheel_speed_mps, "slip": slip}
     for i, wheel in enumerate(WHEELS):
         table[f"slip_{wheel}"] = column["slip"][:, i]
         table[f"load_{wheel}_n"] = column["load_n"][:, i]

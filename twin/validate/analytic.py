@@ -19,7 +19,7 @@ from twin.rig.tractor import Statics, statics, tractor
 from twin.scenario import Field, Soil
 from twin.validate.brixius_forms import KINDS, free_wheel
 from twin.validate.by_hand import hold, mobility_of, parked, rolling, wheels
-from twin.validate.check import Check, near, within
+from twin.validate.check import Basis, Check, near, within
 
 Array = NDArray[np.float64]
 
@@ -35,11 +35,20 @@ def static_loads() -> list[Check]:
     weight_kg = body.weight_n / 9.81
     out = [
         within(
-            "parked, level", "mass", weight_kg, "kg", reference=MASS_KG,
-            low=0.999 * MASS_KG, high=1.001 * MASS_KG, source="Fu et al., table 1",
-            why="given to the model: nothing was lost or counted twice", grade=PUBLISHED,
+            "parked, level",
+            "mass",
+            weight_kg,
+            "kg",
+            reference=MASS_KG,
+            low=0.999 * MASS_KG,
+            high=1.001 * MASS_KG,
+            basis=Basis(
+                source="Fu et al., table 1",
+                why="given to the model: nothing was lost or counted twice",
+                grade=PUBLISHED,
+            ),
         )
-    ]  # fmt: skip
+    ]
     for grade_deg in (0.0, 10.0, -10.0):
         loads = _loads_parked(Field(grade_deg=grade_deg))
         theta = math.radians(grade_deg)
@@ -48,12 +57,19 @@ def static_loads() -> list[Check]:
         case = "parked, level" if grade_deg == 0.0 else f"parked, grade {grade_deg:g} deg"
         out.append(
             near(
-                case, "front axle load", 1e-3 * loads[:2].sum(), "kN", 1e-3 * wanted,
-                relative=0.005 if grade_deg == 0.0 else 0.015, grade="derived",
-                source=f"{EQUATION}: N_f = W (x cos(g) - h sin(g)) / L",
-                why="solver and settling; on a grade the tyres' deflection pitches the tractor",
+                case,
+                "front axle load",
+                1e-3 * loads[:2].sum(),
+                "kN",
+                1e-3 * wanted,
+                relative=0.005 if grade_deg == 0.0 else 0.015,
+                basis=Basis(
+                    grade="derived",
+                    source=f"{EQUATION}: N_f = W (x cos(g) - h sin(g)) / L",
+                    why="solver and settling; on a grade the tyres' deflection pitches the tractor",
+                ),
             )
-        )  # fmt: skip
+        )
     return [*out, _cross_slope_load(body)]
 
 
@@ -69,12 +85,19 @@ def _cross_slope_load(body: Statics) -> Check:
     moved += 0.5 * (loads[3] - loads[2]) * body.rear_track_m
     wanted = body.weight_n * math.sin(math.radians(angle_deg)) * body.cg_height_m
     return near(
-        "parked, cross slope 10 deg", "overturning moment on the wheels", 1e-3 * moved, "kN m",
-        1e-3 * wanted, relative=0.06, grade="derived",
-        source=f"{EQUATION}: sum dN t / 2 = W sin(g) h",
-        why="a rigid body; the twin rolls 0.6 deg on its tyres, and its leaning wheels move the "
-        "loads' line by 7 mm, 4 % of the moment",
-    )  # fmt: skip
+        "parked, cross slope 10 deg",
+        "overturning moment on the wheels",
+        1e-3 * moved,
+        "kN m",
+        1e-3 * wanted,
+        relative=0.06,
+        basis=Basis(
+            grade="derived",
+            source=f"{EQUATION}: sum dN t / 2 = W sin(g) h",
+            why="a rigid body; the twin rolls 0.6 deg on its tyres, and its leaning wheels move "
+            "the loads' line by 7 mm, 4 % of the moment",
+        ),
+    )
 
 
 def coast_down() -> list[Check]:
@@ -97,11 +120,18 @@ def _coast(cone_index_kpa: float) -> Check:
     wanted = _coasting_mps2(machine, soil, np.mean(seen, axis=0))
     ours = (speeds[0] - speeds[-1]) / ((len(speeds) - 1) * model.opt.timestep)
     return near(
-        f"coasting, CI {cone_index_kpa:g} kPa", "deceleration", ours, "m/s2", wanted,
-        relative=0.02, grade=PUBLISHED,
-        source="Brixius 1987, ASABE D497: towed wheel, c0 + m/Bn + 0.5|s|/sqrt(Bn)",
-        why="loads vary as it pitches; means over two seconds",
-    )  # fmt: skip
+        f"coasting, CI {cone_index_kpa:g} kPa",
+        "deceleration",
+        ours,
+        "m/s2",
+        wanted,
+        relative=0.02,
+        basis=Basis(
+            grade=PUBLISHED,
+            source="Brixius 1987, ASABE D497: towed wheel, c0 + m/Bn + 0.5|s|/sqrt(Bn)",
+            why="loads vary as it pitches; means over two seconds",
+        ),
+    )
 
 
 def _coasting_mps2(machine: Machine, soil: Soil, slots: Array) -> float:
@@ -124,12 +154,20 @@ def drawbar_pull() -> list[Check]:
     wanted = expected_pull_n(soil, slips)
     out = [
         near(
-            f"drawbar, slip {100 * s:.0f} %", "pull", 1e-3 * ours, "kN", 1e-3 * closed,
-            relative=0.02, grade="derived", source="wheel rig and axle loads in closed form",
-            why="two paths through the code to one number; every load is held for 5 s",
+            f"drawbar, slip {100 * s:.0f} %",
+            "pull",
+            1e-3 * ours,
+            "kN",
+            1e-3 * closed,
+            relative=0.02,
+            basis=Basis(
+                grade="derived",
+                source="wheel rig and axle loads in closed form",
+                why="two paths through the code to one number; every load is held for 5 s",
+            ),
         )
         for s, ours, closed in zip(slips, pulls, wanted, strict=True)
-    ]  # fmt: skip
+    ]
     late = curve.slip < 0.15
     rate = np.polyfit(curve.pull_n[late], curve.rear_load_n[late], 1)[0]
     torque_m = np.polyfit(curve.pull_n[late], curve.axle_torque_nm[late], 1)[0]
@@ -137,20 +175,34 @@ def drawbar_pull() -> list[Check]:
     return [
         *out,
         near(
-            "drawbar, slip below 15 %", "load moved to the rear over pull", rate, "1",
-            (HITCH_M - body.rear_hub_m + torque_m) / body.wheelbase_m, relative=0.03,
-            source="moments about the rear hub: dN_r / dP = (h - z_r + dT / dP) / L, T measured",
-            why="the front wheels' drag and the sinking of the hubs are left out", grade="derived",
-            note="first compared with the textbook's h / L = 0.176 at 3 %, which fails by 4 %: it "
-            "leaves out the axle's torque. With the torque 2 % was tried and missed by half a per "
-            "cent; the first 3 % stands",
+            "drawbar, slip below 15 %",
+            "load moved to the rear over pull",
+            rate,
+            "1",
+            (HITCH_M - body.rear_hub_m + torque_m) / body.wheelbase_m,
+            relative=0.03,
+            basis=Basis(
+                source="moments about the rear hub: dN_r / dP = (h - z_r + dT / dP) / L, T "
+                "measured",
+                why="the front wheels' drag and the sinking of the hubs are left out",
+                grade="derived",
+                note="first compared with the textbook's h / L = 0.176 at 3 %, which fails by 4 "
+                "%: it leaves out the axle's torque. With the torque 2 % was tried and missed by "
+                "half a per cent; the first 3 % stands",
+            ),
         ),
         near(
-            "drawbar", "sum of axle loads over weight", total / body.weight_n, "1", 1.0,
-            relative=0.002, grade="derived", source="vertical balance",
-            why="bounce averages out over a second",
+            "drawbar",
+            "sum of axle loads over weight",
+            total / body.weight_n,
+            "1",
+            1.0,
+            relative=0.002,
+            basis=Basis(
+                grade="derived", source="vertical balance", why="bounce averages out over a second"
+            ),
         ),
-    ]  # fmt: skip
+    ]
 
 
 CRAB_DEG = {"brixius": (6.0, 12.0), "bekker": (12.0,)}
@@ -164,15 +216,22 @@ def crab_angle() -> list[Check]:
         seen, wanted = slope(soil, angles_deg), expected(soil, angles_deg)
         out += [
             near(
-                f"cross slope {angle:g} deg, {law}", "crab angle", np.degrees(ours), "deg",
-                np.degrees(closed), relative=0.02, grade="derived",
-                source="equilibrium of forces and moments with the wheel rig's forces",
-                why="the closed form leaves out the roll on the tyres' deflection",
+                f"cross slope {angle:g} deg, {law}",
+                "crab angle",
+                np.degrees(ours),
+                "deg",
+                np.degrees(closed),
+                relative=0.02,
+                basis=Basis(
+                    grade="derived",
+                    source="equilibrium of forces and moments with the wheel rig's forces",
+                    why="the closed form leaves out the roll on the tyres' deflection",
+                ),
             )
             for angle, ours, closed in zip(
                 angles_deg, seen.crab_angle_rad, wanted.crab_angle_rad, strict=True
             )
-        ]  # fmt: skip
+        ]
     return out
 
 
@@ -184,18 +243,33 @@ def parking() -> list[Check]:
         for text, gone in zip(("cross slope 18", "grade 15"), creep.creep_m, strict=True):
             out.append(
                 within(
-                    f"parked, {text} deg, {law}", "creep in 60 s", 1e3 * gone, "mm", high=0.1,
-                    source="statics: friction holds", grade="derived",
-                    why="deflected tyres are springs at rest; a tenth of a millimetre is nothing",
+                    f"parked, {text} deg, {law}",
+                    "creep in 60 s",
+                    1e3 * gone,
+                    "mm",
+                    high=0.1,
+                    basis=Basis(
+                        source="statics: friction holds",
+                        grade="derived",
+                        why="deflected tyres are springs at rest; a tenth of a millimetre is "
+                        "nothing",
+                    ),
                 )
-            )  # fmt: skip
+            )
     slippery = replace(Soil(), friction=0.25)
     slid = park(slippery, cross_slope_deg=18.0, parked_s=6.0).creep_m[0]
     out.append(
         within(
-            "parked, cross slope 18 deg, friction 0.25", "slide in 6 s", slid, "m", low=0.5,
-            source="tan(18 deg) = 0.325 is more than 0.25", grade="derived",
-            why="what must slide slides: creep is not suppressed",
+            "parked, cross slope 18 deg, friction 0.25",
+            "slide in 6 s",
+            slid,
+            "m",
+            low=0.5,
+            basis=Basis(
+                source="tan(18 deg) = 0.325 is more than 0.25",
+                grade="derived",
+                why="what must slide slides: creep is not suppressed",
+            ),
         )
-    )  # fmt: skip
+    )
     return out

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -13,22 +11,22 @@ from twin.machine.start import RAISED_RAD
 from twin.physics.block import MACHINE_SLOTS, WheelSlot
 from twin.rig.tyre import machine_tyre
 from twin.scenario import Soil
-from twin.simulation.simulate import Cab
+from twin.simulation.simulation import Simulation
 from twin.validate.brixius_forms import mobility
 
 Array = NDArray[np.float64]
 
 
-def rolling(machine: Machine) -> Any:
-    """mujoco.MjData as a run begins: settled on the tyres, at the unloaded speed."""
-    cab, state = Cab(machine), mujoco.MjData(machine.model)
-    state.qpos[:], state.qvel[:] = cab.qpos[0], cab.qvel[0]
+def rolling(machine: Machine) -> mujoco.MjData:
+    """As a run begins: settled on the tyres, at the unloaded speed."""
+    simulation, state = Simulation(machine), mujoco.MjData(machine.model)
+    state.qpos[:], state.qvel[:] = simulation.qpos[0], simulation.qvel[0]
     state.act[:] = machine.start_act
     return state
 
 
-def parked(machine: Machine) -> Any:
-    """mujoco.MjData settled with the brakes on, its forces up to date."""
+def parked(machine: Machine) -> mujoco.MjData:
+    """Settled with the brakes on, its forces up to date."""
     state = mujoco.MjData(machine.model)
     state.qpos[:], state.act[:] = machine.start_qpos, machine.start_act
     hold(machine, state, brake=1.0, clutch_pedal=1.0)
@@ -36,13 +34,13 @@ def parked(machine: Machine) -> Any:
     return state
 
 
-def hold(machine: Machine, state: Any, **controls: float) -> None:
+def hold(machine: Machine, state: mujoco.MjData, **controls: float) -> None:
     """Set controls by name; the hitch is raised unless told."""
     for name, value in ({"lift": RAISED_RAD} | controls).items():
         state.ctrl[machine.model.actuator(name).id] = value
 
 
-def wheels(state: Any) -> Array:
+def wheels(state: mujoco.MjData) -> Array:
     """The slots of the four wheels. Shape (4, WheelSlot.SIZE)."""
     return np.array(state.userdata[:MACHINE_SLOTS]).reshape(4, int(WheelSlot.SIZE))
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-from twin.io.result_rows import row
+from twin.io.result_rows import Row, row
 
 GRADES = {
     "measured": "the reference was measured on a real machine, tyre or instrument",
@@ -17,11 +16,9 @@ GRADES = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Check:
-    """One row of the page."""
+class Basis:
+    """What a reference and its tolerance rest on."""
 
-    row: dict[str, Any]
-    """As `twin.io.result_rows` writes it."""
     source: str
     """Where the reference comes from."""
     why: str
@@ -29,11 +26,20 @@ class Check:
     grade: str
     """One of GRADES."""
     note: str = ""
-    """What has to be said of it, an explanation where it fails."""
+    """What has to be said of the row, an explanation where it fails."""
 
     def __post_init__(self) -> None:
         if self.grade not in GRADES:
             raise ValueError(f"grade = {self.grade} is none of {', '.join(GRADES)}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Check:
+    """One row of the page."""
+
+    row: Row
+    """As `twin.io.result_rows` writes it."""
+    basis: Basis
 
     @property
     def name(self) -> tuple[str, str]:
@@ -53,18 +59,15 @@ def near(
     unit: str,
     reference: float,
     *,
-    source: str,
-    why: str,
-    grade: str,
+    basis: Basis,
     relative: float = 0.0,
     absolute: float = 0.0,
-    note: str = "",
 ) -> Check:
     """A figure that must come within a tolerance of its reference: relative, plus absolute."""
     margin = relative * abs(reference) + absolute
     low, high = float(reference) - margin, float(reference) + margin
     made = row(case, quantity, float(ours), unit, reference=float(reference), low=low, high=high)
-    return Check(row=made, source=source, why=why, grade=grade, note=note)
+    return Check(row=made, basis=basis)
 
 
 def within(
@@ -73,14 +76,11 @@ def within(
     ours: float,
     unit: str,
     *,
-    source: str,
-    why: str,
-    grade: str,
+    basis: Basis,
     low: float | None = None,
     high: float | None = None,
     reference: float | None = None,
-    note: str = "",
 ) -> Check:
     """A figure that must lie in a band."""
     made = row(case, quantity, float(ours), unit, low=low, high=high, reference=reference)
-    return Check(row=made, source=source, why=why, grade=grade, note=note)
+    return Check(row=made, basis=basis)

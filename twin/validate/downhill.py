@@ -12,7 +12,7 @@ from twin.scenario import Course, Drive, Field, Scenario, Soil
 from twin.simulation.build import build
 from twin.simulation.simulate import simulate
 from twin.trajectory.end import OVERSPEED
-from twin.validate.check import Check, near, within
+from twin.validate.check import Basis, Check, near, within
 
 GRADES_DEG = (-6.0, -15.0)
 GEARS = (66.0, 45.0, 30.0)
@@ -40,27 +40,49 @@ def downhill() -> list[Check]:
         } | {"electric tractor": _drive(ELECTRIC, field, ELECTRIC.drive)}
         out += [
             within(
-                f"{grade_deg:g} deg, {name}", "greatest engine speed over no-load speed",
-                seen["speed"], "1", high=OVERSPEED, source=SOURCE, grade="assumed",
-                why="what a diesel stands; the driver's habits are assumed",
+                f"{grade_deg:g} deg, {name}",
+                "greatest engine speed over no-load speed",
+                seen["speed"],
+                "1",
+                high=OVERSPEED,
+                basis=Basis(
+                    source=SOURCE,
+                    grade="assumed",
+                    why="what a diesel stands; the driver's habits are assumed",
+                ),
             )
             for name, seen in drives.items()
-        ]  # fmt: skip
+        ]
         steepest = drives[f"Taishan, gear {GEARS[-1]:g}"]
         out.append(
             near(
                 f"{grade_deg:g} deg, Taishan, gear {GEARS[-1]:g}",
-                "losses and stores over the work of the weight", steepest["closure"], "1", 1.0,
-                absolute=0.01, source="conservation of energy", grade="derived",
-                why="every loss is computed from its own force and speed, brakes among them",
+                "losses and stores over the work of the weight",
+                steepest["closure"],
+                "1",
+                1.0,
+                absolute=0.01,
+                basis=Basis(
+                    source="conservation of energy",
+                    grade="derived",
+                    why="every loss is computed from its own force and speed, brakes among them",
+                ),
             )
-        )  # fmt: skip
+        )
     braked = within(
-        f"{grade_deg:g} deg, Taishan, gear {GEARS[-1]:g}", "work of the brakes over the weight's",
-        steepest["brake"], "1", low=0.1, high=0.6, grade="derived",
-        source="m g sin(15) r = 11.3 kN m at the axle; motored engine 4.0, rolling and slip 3.5 to "
-        "4", why="the brakes take what is left, less while they are not yet pressed",
-    )  # fmt: skip
+        f"{grade_deg:g} deg, Taishan, gear {GEARS[-1]:g}",
+        "work of the brakes over the weight's",
+        steepest["brake"],
+        "1",
+        low=0.1,
+        high=0.6,
+        basis=Basis(
+            grade="derived",
+            source="m g sin(15) r = 11.3 kN m at the axle; motored engine 4.0, rolling and slip "
+            "3.5 to 4",
+            why="the brakes take what is left, less while they are not yet pressed",
+        ),
+    )
     return [*out, braked, _most_power()]
 
 
@@ -89,7 +111,15 @@ def _most_power() -> Check:
     rpm = np.arange(1.0, machine.numbers["engine.no_load_rpm"] + 1.0)
     power_w = np.array([full_load_torque_nm(engine, n) * n * np.pi / 30.0 for n in rpm])
     return within(
-        "full load, any speed", "greatest crank power over the stated", power_w.max() / 103e3, "1",
-        low=0.99, high=1.01, source="Fu et al., table 1: 103 kW", grade="published",
-        why="a torque curve has a stated maximum power; peak torque and speeds are assumed",
-    )  # fmt: skip
+        "full load, any speed",
+        "greatest crank power over the stated",
+        power_w.max() / 103e3,
+        "1",
+        low=0.99,
+        high=1.01,
+        basis=Basis(
+            source="Fu et al., table 1: 103 kW",
+            grade="published",
+            why="a torque curve has a stated maximum power; peak torque and speeds are assumed",
+        ),
+    )

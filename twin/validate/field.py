@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from joblib import delayed
 from numpy.typing import NDArray
 
 from twin.compute.parallel import many
+from twin.io.result_rows import Row
 from twin.reproduce import plough_field
 from twin.reproduce.passes import NO_SENSORS
 from twin.rig.drawbar import drawbar
@@ -20,7 +20,7 @@ from twin.sensors import Gnss, gnss
 from twin.simulation.build import build
 from twin.simulation.simulate import simulate
 from twin.truth import truth
-from twin.validate.check import Check, within
+from twin.validate.check import Basis, Check, within
 from twin.validate.fuel import full_load
 
 Array = NDArray[np.float64]
@@ -30,14 +30,10 @@ LOG_SEEDS = 6
 
 
 @dataclass(frozen=True, kw_only=True)
-class Words:
-    """What is said of a quantity of the ploughing study."""
+class Words(Basis):
+    """What a quantity of the ploughing study rests on, and where it stands on the page."""
 
-    source: str
-    why: str
-    grade: str
     layer: str = "field"
-    note: str = ""
 
 
 PLOUGHING = {
@@ -103,11 +99,8 @@ def ploughing(jobs: int, quick: bool) -> dict[str, list[Check]]:
     return out
 
 
-def _made(row: dict[str, Any], words: Words) -> Check:
-    return Check(
-        row={**row, "case": f"ploughing, {row['case']}"},
-        source=words.source, why=words.why, grade=words.grade, note=words.note,
-    )  # fmt: skip
+def _made(row: Row, words: Words) -> Check:
+    return Check(row={**row, "case": f"ploughing, {row['case']}"}, basis=words)
 
 
 ENGINE_KW = 103.0
@@ -130,40 +123,81 @@ def drawbar_power() -> list[Check]:
     weight = statics(firm).weight_n
     return [
         within(
-            where, "greatest steady drawbar power over maximum engine power",
-            1e-3 * power_w / ENGINE_KW, "1", low=0.70, high=0.78, reference=0.73,
-            grade="measured", source=DEERE,
-            why="other tractors, ballasted: their ratio, and a few per cent above it",
-            note="by gear, as rated without slip: .30 at 4 km/h, .37 at 5, .44 at 6, .51 at 7, .61 "
-            "at 8.5, .70 at 10, .73 at 12, .74 at 15; up to 8.5 km/h the slip of 15 % ends the "
-            "test. The load ramp that was here before read .81: it counted what the slowing engine "
-            "gave back as work",
+            where,
+            "greatest steady drawbar power over maximum engine power",
+            1e-3 * power_w / ENGINE_KW,
+            "1",
+            low=0.70,
+            high=0.78,
+            reference=0.73,
+            basis=Basis(
+                grade="measured",
+                source=DEERE,
+                why="other tractors, ballasted: their ratio, and a few per cent above it",
+                note="by gear, as rated without slip: .30 at 4 km/h, .37 at 5, .44 at 6, .51 at "
+                "7, .61 at 8.5, .70 at 10, .73 at 12, .74 at 15; up to 8.5 km/h the slip of 15 % "
+                "ends the test. The load ramp that was here before read .81: it counted what the "
+                "slowing engine gave back as work",
+            ),
         ),
         within(
-            where, "drawbar over crank power there", power_w / float(found.crank_power_w[best]),
-            "1", low=0.62, high=0.82, reference=0.75, grade="assumed",
-            source="John Deere 4250: .84 to .89 of the take-off's power, less about a tenth to the "
-            "take-off", why="the share that the take-off's own drive loses is assumed",
+            where,
+            "drawbar over crank power there",
+            power_w / float(found.crank_power_w[best]),
+            "1",
+            low=0.62,
+            high=0.82,
+            reference=0.75,
+            basis=Basis(
+                grade="assumed",
+                source="John Deere 4250: .84 to .89 of the take-off's power, less about a tenth "
+                "to the take-off",
+                why="the share that the take-off's own drive loses is assumed",
+            ),
         ),
         full_load(found, where),
         within(
-            where, "slip there", float(found.slip[best]), "1", low=0.01, high=0.15,
-            source="OECD code 2: at most 15 % on concrete", grade="published",
-            why="where a test would have been valid",
+            where,
+            "slip there",
+            float(found.slip[best]),
+            "1",
+            low=0.01,
+            high=0.15,
+            basis=Basis(
+                source="OECD code 2: at most 15 % on concrete",
+                grade="published",
+                why="where a test would have been valid",
+            ),
         ),
         within(
-            where, "greatest crank power over maximum engine power",
-            1e-3 * float(found.crank_power_w.max()) / ENGINE_KW, "1", low=0.95, high=1.01,
-            source="Fu et al., table 1: 103 kW", grade="published",
-            why="full load between peak and rated speed, and nowhere more than stated",
+            where,
+            "greatest crank power over maximum engine power",
+            1e-3 * float(found.crank_power_w.max()) / ENGINE_KW,
+            "1",
+            low=0.95,
+            high=1.01,
+            basis=Basis(
+                source="Fu et al., table 1: 103 kW",
+                grade="published",
+                why="full load between peak and rated speed, and nowhere more than stated",
+            ),
         ),
         within(
-            "firm field, rear-wheel drive", "pull at 15 % slip over weight", at_15 / weight, "1",
-            low=0.30, high=0.42, reference=17.5e3 / weight, grade="derived",
-            source="Brixius and statics: 17 to 18 kN; rated 28 kN with both axles driven (Fu et "
-            "al.)", why="soils of CI 900 to 1200 kPa",
+            "firm field, rear-wheel drive",
+            "pull at 15 % slip over weight",
+            at_15 / weight,
+            "1",
+            low=0.30,
+            high=0.42,
+            reference=17.5e3 / weight,
+            basis=Basis(
+                grade="derived",
+                source="Brixius and statics: 17 to 18 kN; rated 28 kN with both axles driven (Fu "
+                "et al.)",
+                why="soils of CI 900 to 1200 kPa",
+            ),
         ),
-    ]  # fmt: skip
+    ]
 
 
 LOG = {1: 0.0098, 2: 0.0135, 3: 0.0144, 20: 0.0162}
@@ -185,17 +219,27 @@ def structure(jobs: int, quick: bool) -> list[Check]:
     true, measured = zip(*found, strict=True)
     return [
         within(
-            f"slip at 1 Hz, ploughing 20 cm, lag {lag} s", f"sqrt(D / 2), {name}",
-            _spread(series, lag), "1", low=0.5 * wanted, high=2.0 * wanted, reference=wanted,
-            source="log of a New Holland T7.165S at field work, 3.3 h, median slip 7.0 %",
-            why="another tractor and implement, unknown soil, bus resolution and smoothing: a "
-            "factor of two says that the size is right, no more", grade="measured", note=note,
+            f"slip at 1 Hz, ploughing 20 cm, lag {lag} s",
+            f"sqrt(D / 2), {name}",
+            _spread(series, lag),
+            "1",
+            low=0.5 * wanted,
+            high=2.0 * wanted,
+            reference=wanted,
+            basis=Basis(
+                source="log of a New Holland T7.165S at field work, 3.3 h, median slip 7.0 %",
+                why="another tractor and implement, unknown soil, bus resolution and smoothing: a "
+                "factor of two says that the size is right, no more",
+                grade="measured",
+                note=note,
+            ),
         )
         for name, series, note in (
-            ("true slip", true, ""), ("GNSS and wheel speed", measured, NOISY)
+            ("true slip", true, ""),
+            ("GNSS and wheel speed", measured, NOISY),
         )
         for lag, wanted in LOG.items()
-    ]  # fmt: skip
+    ]
 
 
 NOISY = (

@@ -10,7 +10,7 @@ from twin.machine.fuel import fuel_lph
 from twin.rig.gears import Gears
 from twin.scenario import Scenario
 from twin.simulation.build import build
-from twin.validate.check import Check, near, within
+from twin.validate.check import Basis, Check, near, within
 
 REDUCED = 0.32
 """Reduction of engine speed in the test's run at half load; assumed, it is not printed."""
@@ -25,14 +25,21 @@ def half_load() -> list[Check]:
     return [
         near(
             f"half load, engine speed {REDUCED:.0%} below rated and at it",
-            "energy per fuel of the reduced over the full speed", float(full / reduced), "1", 1.26,
-            relative=0.10, grade="measured",
-            source="John Deere 8245R, Nebraska summary 963: 3.28 over 2.61 kWh/L at half the pull",
-            why="one tractor, where the law is a mean of many",
-            note="the reduction is assumed, the report does not print it; a point of it is worth "
-            ".010",
+            "energy per fuel of the reduced over the full speed",
+            float(full / reduced),
+            "1",
+            1.26,
+            relative=0.10,
+            basis=Basis(
+                grade="measured",
+                source="John Deere 8245R, Nebraska summary 963: 3.28 over 2.61 kWh/L at half the "
+                "pull",
+                why="one tractor, where the law is a mean of many",
+                note="the reduction is assumed, the report does not print it; a point of it is "
+                "worth .010",
+            ),
         )
-    ]  # fmt: skip
+    ]
 
 
 def full_load(found: Gears, where: str) -> Check:
@@ -40,13 +47,21 @@ def full_load(found: Gears, where: str) -> Check:
     most = int(np.argmax(found.crank_power_w))
     pto_kw = 1e-3 * _numbers()["engine.pto_efficiency"] * found.crank_power_w[most]
     return within(
-        where, "fuel over power at the take-off, at full load",
-        float(found.fuel_lph[most] / pto_kw), "L/kWh", low=0.27, high=0.33, reference=0.278,
-        source="John Deere 8245R, Nebraska summary 963: 44.81 L/h at 161 kW of the take-off",
-        grade="measured", why="an engine of 2014; the law, .316 at rated speed, is of 2004",
-        note="the take-off's share of the crank's power, 0.90, is assumed, and cancels but for the "
-        "speed",
-    )  # fmt: skip
+        where,
+        "fuel over power at the take-off, at full load",
+        float(found.fuel_lph[most] / pto_kw),
+        "L/kWh",
+        low=0.27,
+        high=0.33,
+        reference=0.278,
+        basis=Basis(
+            source="John Deere 8245R, Nebraska summary 963: 44.81 L/h at 161 kW of the take-off",
+            grade="measured",
+            why="an engine of 2014; the law, .316 at rated speed, is of 2004",
+            note="the take-off's share of the crank's power, 0.90, is assumed, and cancels but "
+            "for the speed",
+        ),
+    )
 
 
 def _numbers() -> dict[str, float]:

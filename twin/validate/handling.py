@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -18,7 +17,7 @@ from twin.simulation.build import build
 from twin.simulation.driver import ackermann
 from twin.validate.brixius_forms import KINDS, stiffness
 from twin.validate.by_hand import hold, mobility_of, rolling
-from twin.validate.check import Check, near, within
+from twin.validate.check import Basis, Check, near, within
 
 Array = NDArray[np.float64]
 
@@ -126,30 +125,62 @@ def _at_speed(kmh: int) -> list[Check]:
     source = "linear bicycle with the law's stiffness at small slip, 0.88 (1 - exp(-Bn/10)) k kappa"
     return [
         near(
-            case, "steady yaw rate", np.degrees(yaw), "deg/s", np.degrees(settled), relative=0.03,
-            source=f"{source}, and motion resistance: it turns with the front wheels and grows on "
-            "the outer side", grade="derived",
-            why="combined slip, load transfer and roll are left out", note=AFTERTHOUGHT,
+            case,
+            "steady yaw rate",
+            np.degrees(yaw),
+            "deg/s",
+            np.degrees(settled),
+            relative=0.03,
+            basis=Basis(
+                source=f"{source}, and motion resistance: it turns with the front wheels and "
+                "grows on the outer side",
+                grade="derived",
+                why="combined slip, load transfer and roll are left out",
+                note=AFTERTHOUGHT,
+            ),
         ),
         near(
-            case, "steady yaw rate, textbook bicycle", np.degrees(yaw), "deg/s",
-            np.degrees(bicycle.steady_yaw_rate_radps(speed, steer)), relative=0.08,
-            source=f"{source}: r = v delta / (L + K v**2)", grade="derived",
-            why="the textbook has no motion resistance, which on soil is 6 to 8 % of the load",
-            note=AFTERTHOUGHT,
+            case,
+            "steady yaw rate, textbook bicycle",
+            np.degrees(yaw),
+            "deg/s",
+            np.degrees(bicycle.steady_yaw_rate_radps(speed, steer)),
+            relative=0.08,
+            basis=Basis(
+                source=f"{source}: r = v delta / (L + K v**2)",
+                grade="derived",
+                why="the textbook has no motion resistance, which on soil is 6 to 8 % of the load",
+                note=AFTERTHOUGHT,
+            ),
         ),
         near(
-            case, "steady rear slip angle", np.degrees(slip), "deg",
-            np.degrees(bicycle.steady_rear_slip_rad(speed, yaw)), relative=0.08,
-            source=f"{source}: alpha_r = m v r l_f / (L C_r)", grade="derived",
-            why="combined slip and the drag of the outer side are left out",
+            case,
+            "steady rear slip angle",
+            np.degrees(slip),
+            "deg",
+            np.degrees(bicycle.steady_rear_slip_rad(speed, yaw)),
+            relative=0.08,
+            basis=Basis(
+                source=f"{source}: alpha_r = m v r l_f / (L C_r)",
+                grade="derived",
+                why="combined slip and the drag of the outer side are left out",
+            ),
         ),
         within(
-            case, "rms difference of the yaw rate's rise", off, "1", high=0.05, reference=0.0,
-            source=f"{source}; two states and two relaxing tyres, by the same measured steering",
-            why="roll and pitch on the tyres are not in the bicycle", grade="derived",
+            case,
+            "rms difference of the yaw rate's rise",
+            off,
+            "1",
+            high=0.05,
+            reference=0.0,
+            basis=Basis(
+                source=f"{source}; two states and two relaxing tyres, by the same measured "
+                "steering",
+                why="roll and pitch on the tyres are not in the bicycle",
+                grade="derived",
+            ),
         ),
-    ]  # fmt: skip
+    ]
 
 
 def bicycle_of(machine: Machine, soil: Soil, body: Statics) -> Bicycle:
@@ -205,7 +236,7 @@ def steering_step(machine: Machine) -> Response:
     return Response(float(model.opt.timestep), steer, speed, yaw, slip)
 
 
-def _look(state: Any) -> tuple[float, float, float, float]:
+def _look(state: mujoco.MjData) -> tuple[float, float, float, float]:
     rotation = state.body("tractor").xmat.reshape(3, 3)
     velocity = rotation.T @ state.sensor("velocity_w").data
     steer = 0.5 * (state.joint("fl_steer").qpos[0] + state.joint("fr_steer").qpos[0])

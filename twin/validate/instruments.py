@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from twin.sensors import Gnss, Imu, gnss, imu
 from twin.streams import Table
 from twin.trajectory.trajectory import Trajectory
-from twin.validate.check import Check, near
+from twin.validate.check import Basis, Check, near
 
 Array = NDArray[np.float64]
 
@@ -62,17 +62,32 @@ def inertial() -> list[Check]:
         short, one, long = (_pooled(table, columns, tau) for tau in (0.5, 1.0, 4.0))
         out += [
             near(
-                f"{name} at rest", "Allan deviation at 1 s: white noise density", scale * one, unit,
-                scale * density, relative=0.1, grade="published",
-                source="MPU-60xx/92xx class: 0.005 deg/s/rtHz, 300 to 400 ug/rtHz",
-                why="800 s of three axes give 2 to 3 %; the anti-alias filter takes some",
+                f"{name} at rest",
+                "Allan deviation at 1 s: white noise density",
+                scale * one,
+                unit,
+                scale * density,
+                relative=0.1,
+                basis=Basis(
+                    grade="published",
+                    source="MPU-60xx/92xx class: 0.005 deg/s/rtHz, 300 to 400 ug/rtHz",
+                    why="800 s of three axes give 2 to 3 %; the anti-alias filter takes some",
+                ),
             ),
             near(
-                f"{name} at rest", "slope of the Allan deviation, 0.5 to 4 s",
-                float(np.log(long / short) / np.log(8.0)), "1", -0.5, absolute=0.05,
-                source="IEEE Std 952: N / sqrt(tau)", why="the same statistics", grade="published",
+                f"{name} at rest",
+                "slope of the Allan deviation, 0.5 to 4 s",
+                float(np.log(long / short) / np.log(8.0)),
+                "1",
+                -0.5,
+                absolute=0.05,
+                basis=Basis(
+                    source="IEEE Std 952: N / sqrt(tau)",
+                    why="the same statistics",
+                    grade="published",
+                ),
             ),
-        ]  # fmt: skip
+        ]
     return out
 
 
@@ -91,21 +106,43 @@ def receiver() -> list[Check]:
     place = np.concatenate([long[axis] - long[axis].mean() for axis in ("east_m", "north_m")])
     return [
         near(
-            "GNSS receiver at rest", "sd of the Doppler velocity", velocity.std(), "m/s",
-            config.velocity_sd_mps, relative=0.05, grade="published",
-            source="receivers of this class: 0.02 to 0.04 m/s",
-            why="24 000 samples give half a per cent",
+            "GNSS receiver at rest",
+            "sd of the Doppler velocity",
+            velocity.std(),
+            "m/s",
+            config.velocity_sd_mps,
+            relative=0.05,
+            basis=Basis(
+                grade="published",
+                source="receivers of this class: 0.02 to 0.04 m/s",
+                why="24 000 samples give half a per cent",
+            ),
         ),
         near(
-            "GNSS receiver at rest", "sd of the fixed position", 1e3 * place.std(), "mm",
-            8.0, absolute=1.5, source="UM980 user manual: 8 mm + 1 ppm horizontal, RMS",
-            why="1000 correlation times of 60 s; our white and coloured parts are split by "
-            "assumption", grade="published",
+            "GNSS receiver at rest",
+            "sd of the fixed position",
+            1e3 * place.std(),
+            "mm",
+            8.0,
+            absolute=1.5,
+            basis=Basis(
+                source="UM980 user manual: 8 mm + 1 ppm horizontal, RMS",
+                why="1000 correlation times of 60 s; our white and coloured parts are split by "
+                "assumption",
+                grade="published",
+            ),
         ),
         near(
-            "GNSS receiver at rest", "sd of the heading on 1 m",
-            np.degrees(table["heading_rad"].std()), "deg", 0.2, relative=0.05,
-            source="dual antenna receivers: 0.1 to 0.2 deg per metre",
-            why="12 000 samples give one per cent", grade="published",
+            "GNSS receiver at rest",
+            "sd of the heading on 1 m",
+            np.degrees(table["heading_rad"].std()),
+            "deg",
+            0.2,
+            relative=0.05,
+            basis=Basis(
+                source="dual antenna receivers: 0.1 to 0.2 deg per metre",
+                why="12 000 samples give one per cent",
+                grade="published",
+            ),
         ),
-    ]  # fmt: skip
+    ]

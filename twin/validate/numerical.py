@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.compute import quaternion
 from twin.machine.build import Machine
 from twin.physics.block import WheelSlot
 from twin.reproduce.passes import drive
@@ -17,7 +18,7 @@ from twin.rig.wheel import wheel
 from twin.scenario import Course, Drive, Plough, Scenario, Soil
 from twin.simulation.build import build
 from twin.validate.by_hand import hold, parked, rolling, wheels
-from twin.validate.check import Check, within
+from twin.validate.check import Basis, Check, within
 
 Array = NDArray[np.float64]
 
@@ -52,14 +53,21 @@ def order_of_accuracy() -> list[Check]:
         slope = float(np.polyfit(steps, np.log(errors), 1)[0])
         out.append(
             within(
-                "steered drive of 3 s, steps 2, 1, 0.5 ms", f"order of accuracy, {name}", slope,
+                "steered drive of 3 s, steps 2, 1, 0.5 ms",
+                f"order of accuracy, {name}",
+                slope,
                 "1",
-                low=0.8, high=1.3, reference=1.0, grade="derived",
-                source="MuJoCo's implicitfast and the tyres' deflections are first order",
-                why=f"error at 2 ms {errors[0]:.1e}, at 0.5 ms {errors[2]:.1e}, beside "
-                f"{FINE_MS:g} ms; a slope below 1 would be a kink or a lag of a step",
+                low=0.8,
+                high=1.3,
+                reference=1.0,
+                basis=Basis(
+                    grade="derived",
+                    source="MuJoCo's implicitfast and the tyres' deflections are first order",
+                    why=f"error at 2 ms {errors[0]:.1e}, at 0.5 ms {errors[2]:.1e}, beside "
+                    f"{FINE_MS:g} ms; a slope below 1 would be a kink or a lag of a step",
+                ),
             )
-        )  # fmt: skip
+        )
     return out
 
 
@@ -77,8 +85,7 @@ def _steered(machine: Machine, step_ms: float) -> Array:
         mujoco.mj_forward(model, state)
     finally:
         model.opt.timestep = kept
-    w, x, y, z = state.qpos[3:7]
-    heading = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    heading = quaternion.heading_rad(*state.qpos[3:7])
     act, slip = np.array(state.act[:16]).reshape(4, 4), wheels(state)[:, WheelSlot.SLIP]
     place = float(np.hypot(state.qpos[0], state.qpos[1]))
     return np.array([place, heading, act[2:, 0].mean(), act[:, 1].mean(), slip[2:].mean()])
@@ -94,13 +101,21 @@ def halved_step() -> list[Check]:
             quantity = name.rsplit("_", 1)[0] if "_" in name else name
             out.append(
                 within(
-                    f"plough 20 cm, step {ms:g} ms for 2 ms", f"change of mean {quantity}", change,
-                    "1", low=-0.01, high=0.01, reference=0.0, grade="derived",
-                    source="the twin's own step of 2 ms",
-                    why="1 to 2 % of slip is usual; the soil is a function of place, so both "
-                    "drive over the same ground",
+                    f"plough 20 cm, step {ms:g} ms for 2 ms",
+                    f"change of mean {quantity}",
+                    change,
+                    "1",
+                    low=-0.01,
+                    high=0.01,
+                    reference=0.0,
+                    basis=Basis(
+                        grade="derived",
+                        source="the twin's own step of 2 ms",
+                        why="1 to 2 % of slip is usual; the soil is a function of place, so both "
+                        "drive over the same ground",
+                    ),
                 )
-            )  # fmt: skip
+            )
     return out
 
 
@@ -113,14 +128,24 @@ def settling() -> list[Check]:
     change = np.abs(wheels(state)[:, WheelSlot.LOAD_N] / before - 1.0).max()
     return [
         within(
-            "start of a run, 4 s more", "greatest change of a wheel's load", change, "1", high=1e-3,
-            reference=0.0, source="rest", why="well below any noise", grade="derived",
+            "start of a run, 4 s more",
+            "greatest change of a wheel's load",
+            change,
+            "1",
+            high=1e-3,
+            reference=0.0,
+            basis=Basis(source="rest", why="well below any noise", grade="derived"),
         ),
         within(
-            "start of a run, 4 s more", "change of height", 1e3 * abs(state.qpos[2] - height), "mm",
-            high=0.1, reference=0.0, source="rest", why="well below any noise", grade="derived",
+            "start of a run, 4 s more",
+            "change of height",
+            1e3 * abs(state.qpos[2] - height),
+            "mm",
+            high=0.1,
+            reference=0.0,
+            basis=Basis(source="rest", why="well below any noise", grade="derived"),
         ),
-    ]  # fmt: skip
+    ]
 
 
 def seeds() -> list[Check]:
@@ -129,16 +154,33 @@ def seeds() -> list[Check]:
     far = abs(first.slip / other.slip - 1.0)
     return [
         within(
-            "plough 20 cm, seed 3 twice", "difference of mean slip", first.slip - again.slip, "1",
-            low=0.0, high=0.0, reference=0.0, source="determinism", grade="derived",
-            why="to the bit: nothing is drawn but from the seed",
+            "plough 20 cm, seed 3 twice",
+            "difference of mean slip",
+            first.slip - again.slip,
+            "1",
+            low=0.0,
+            high=0.0,
+            reference=0.0,
+            basis=Basis(
+                source="determinism",
+                grade="derived",
+                why="to the bit: nothing is drawn but from the seed",
+            ),
         ),
         within(
-            "plough 20 cm, seeds 3 and 4", "relative difference of mean slip", far, "1", low=1e-4,
-            high=0.3, source="variation of the soil", grade="assumed",
-            why="another field, but of the same kind",
+            "plough 20 cm, seeds 3 and 4",
+            "relative difference of mean slip",
+            far,
+            "1",
+            low=1e-4,
+            high=0.3,
+            basis=Basis(
+                source="variation of the soil",
+                grade="assumed",
+                why="another field, but of the same kind",
+            ),
         ),
-    ]  # fmt: skip
+    ]
 
 
 def dissipation() -> list[Check]:
@@ -155,9 +197,15 @@ def dissipation() -> list[Check]:
         out.append(
             within(
                 f"wheel rig, {law}, slip -60 to 90 %, slip angle to 60 deg",
-                "least power lost in the soil over load and speed", lost.min(), "1", low=0.0,
-                source="second law: T w = P v + losses", grade="derived",
-                why="no wheel gets power from the soil",
+                "least power lost in the soil over load and speed",
+                lost.min(),
+                "1",
+                low=0.0,
+                basis=Basis(
+                    source="second law: T w = P v + losses",
+                    grade="derived",
+                    why="no wheel gets power from the soil",
+                ),
             )
-        )  # fmt: skip
+        )
     return out

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
+from twin.io.result_rows import Row
 from twin.validate.check import GRADES, Check
 from twin.validate.suite import LAYERS
 
@@ -95,7 +95,7 @@ def text(checks: Mapping[str, Sequence[Check]], *, quick: bool = False) -> str:
 def _summary(checks: Mapping[str, Sequence[Check]]) -> str:
     found = [c for of_layer in checks.values() for c in of_layer]
     failed = sum(not c.passed for c in found)
-    grades = ", ".join(f"{sum(c.grade == g for c in found)} {g}" for g in GRADES)
+    grades = ", ".join(f"{sum(c.basis.grade == g for c in found)} {g}" for g in GRADES)
     return f"{len(found)} rows: {len(found) - failed} pass, {failed} fail. By grade: {grades}."
 
 
@@ -117,23 +117,21 @@ def cells_of(check: Check) -> list[str]:
         row["quantity"],
         _figure(row["ours"]) + unit,
         "-" if reference is None else _figure(reference) + unit,
-        f"{_bounds(row)}: {check.why}",
-        check.source,
-        check.grade,
+        f"{_bounds(row)}: {check.basis.why}",
+        check.basis.source,
+        check.basis.grade,
         "pass" if check.passed else "**FAIL**",
     ]
 
 
-def _bounds(row: Mapping[str, Any]) -> str:
+def _bounds(row: Row) -> str:
     low, high = row.get("low"), row.get("high")
-    if low is None:
-        return f"at most {_figure(high)}"
-    if high is None:
-        return f"at least {_figure(low)}"
-    return f"{_figure(low)} to {_figure(high)}"
+    if low is not None and high is not None:
+        return f"{_figure(low)} to {_figure(high)}"
+    return f"at most {_figure(high)}" if high is not None else f"at least {_figure(row['low'])}"
 
 
-def _figure(value: Any) -> str:
+def _figure(value: float) -> str:
     """Four digits; what is smaller than a millionth of a millionth is nothing."""
     return "0" if abs(value) < 1e-12 else f"{value:.4g}"
 
@@ -142,7 +140,7 @@ def _notes(letter: str, checks: Sequence[Check]) -> list[str]:
     """Each note once, after the rows it belongs to."""
     rows_of: dict[str, list[str]] = {}
     for number, check in enumerate(checks, 1):
-        if check.note:
-            rows_of.setdefault(check.note, []).append(f"{letter}{number}")
+        if check.basis.note:
+            rows_of.setdefault(check.basis.note, []).append(f"{letter}{number}")
     lines = [f"* {', '.join(rows)}: {note}." for note, rows in rows_of.items()]
     return ["", *lines] if lines else []

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.compute import quaternion
 from twin.machine.build import Machine
 from twin.machine.tread import tread_part
 from twin.physics import block
@@ -17,7 +18,7 @@ from twin.rig.tractor import Statics, statics, tractor
 from twin.rig.tyre import machine_tyre
 from twin.scenario import Soil
 from twin.validate.by_hand import hold, parked
-from twin.validate.check import Check, near
+from twin.validate.check import Basis, Check, near
 
 Array = NDArray[np.float64]
 
@@ -52,16 +53,34 @@ def roll_mode() -> list[Check]:
     )
     return [
         near(
-            case, "roll mode", seen.frequency_hz, "Hz", expected.frequency_hz, relative=0.05,
-            source=source, grade="derived",
-            why="bounce, yaw and the front axle's own roll are left out", note=CONTEXT,
+            case,
+            "roll mode",
+            seen.frequency_hz,
+            "Hz",
+            expected.frequency_hz,
+            relative=0.05,
+            basis=Basis(
+                source=source,
+                grade="derived",
+                why="bounce, yaw and the front axle's own roll are left out",
+                note=CONTEXT,
+            ),
         ),
         near(
-            case, "its axis above the centre of gravity", seen.axis_above_cg_m, "m",
-            expected.axis_above_cg_m, relative=0.1, source=source, grade="derived",
-            why="the same, and small differences of two large numbers", note=CONTEXT,
+            case,
+            "its axis above the centre of gravity",
+            seen.axis_above_cg_m,
+            "m",
+            expected.axis_above_cg_m,
+            relative=0.1,
+            basis=Basis(
+                source=source,
+                grade="derived",
+                why="the same, and small differences of two large numbers",
+                note=CONTEXT,
+            ),
         ),
-    ]  # fmt: skip
+    ]
 
 
 def closed_form(machine: Machine, body: Statics) -> Mode:
@@ -118,8 +137,7 @@ def measured(machine: Machine, body: Statics) -> Mode:
     times, rolls, sways = [], [], []
     for _ in range(round(SEEN_S / model.opt.timestep)):
         mujoco.mj_step(model, state)
-        w, x, y, z = state.qpos[3:7]
-        roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+        roll = float(quaternion.roll_rad(*state.qpos[3:7]))
         times.append(state.time)
         rolls.append(roll)
         sways.append(float(state.qpos[1]) - cg[2] * roll)

@@ -8,7 +8,7 @@ import numpy as np
 
 from twin.pipeline.named import load
 from twin.reproduce.cross_slope import FREE_WITHIN, PUBLISHED_M, SET_WITHIN, drive
-from twin.validate.check import Check, near
+from twin.validate.check import Basis, Check, near
 
 SEEDS = 8
 SET, FREE = ((9, "dry"), (18, "dry"), (9, "wet")), (18, "wet")
@@ -37,8 +37,16 @@ def _slide(slope_deg: int, soil: str, within: float, why: str) -> Check:
     scenario = load("scenario", f"slope-{slope_deg}-{soil}")
     totals_m = [drive(replace(scenario, seed=s))["sideslip_m"][-1] for s in range(SEEDS)]
     return near(
-        f"electric tractor, {slope_deg} deg, {soil}", "slide", np.abs(totals_m).mean(), "m",
-        PUBLISHED_M[slope_deg, soil, False], relative=within,
-        source="Liu et al., Trans. CSAM 2023 54(S2): the paper's own estimate", why=why,
-        grade="measured", note=LOOKED,
-    )  # fmt: skip
+        f"electric tractor, {slope_deg} deg, {soil}",
+        "slide",
+        np.abs(totals_m).mean(),
+        "m",
+        PUBLISHED_M[slope_deg, soil, False],
+        relative=within,
+        basis=Basis(
+            source="Liu et al., Trans. CSAM 2023 54(S2): the paper's own estimate",
+            why=why,
+            grade="measured",
+            note=LOOKED,
+        ),
+    )

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import WheelCurve, wheel
 from twin.scenario import Soil
-from twin.validate.check import Check, near
+from twin.validate.check import Basis, Check, near
 
 Array = NDArray[np.float64]
 
@@ -116,20 +116,37 @@ def small_wheel() -> list[Check]:
     out = [
         near(
             f"small rigid wheel in dry sand, {angle} deg, rim {rim:g} x path speed",
-            "side force over that at rim = path speed", ours, "1", measured, absolute=0.12,
-            source=SOURCE, why=MODEL, grade="measured", note=NOTE,
+            "side force over that at rim = path speed",
+            ours,
+            "1",
+            measured,
+            absolute=0.12,
+            basis=Basis(source=SOURCE, why=MODEL, grade="measured", note=NOTE),
         )
         for (angle, rim), (ours, measured) in side_force_kept().items()
-    ]  # fmt: skip
+    ]
     seen = run(SAND, AHEAD)
     for i, test in enumerate(AHEAD):
         case = f"small rigid wheel in dry sand, rim {test.rim_over_path:g} x path speed"
         pull = float(np.mean(np.divide(test.force_n, test.load_n)))
         out += [
-            near(case, "sinkage", 1e3 * seen.sinkage_m[i], "mm", float(np.mean(test.sinkage_mm)),
-                 relative=0.02 if i == 0 else 0.15, source=SOURCE, why=DEEPER if i else SET,
-                 grade="measured"),
-            near(case, "pull over load", seen.net_traction_ratio[i], "1", pull, absolute=0.2,
-                 source=SOURCE, why=MOST_PULL, grade="measured"),
-        ]  # fmt: skip
+            near(
+                case,
+                "sinkage",
+                1e3 * seen.sinkage_m[i],
+                "mm",
+                float(np.mean(test.sinkage_mm)),
+                relative=0.02 if i == 0 else 0.15,
+                basis=Basis(source=SOURCE, why=DEEPER if i else SET, grade="measured"),
+            ),
+            near(
+                case,
+                "pull over load",
+                seen.net_traction_ratio[i],
+                "1",
+                pull,
+                absolute=0.2,
+                basis=Basis(source=SOURCE, why=MOST_PULL, grade="measured"),
+            ),
+        ]
     return out

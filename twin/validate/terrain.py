@@ -16,7 +16,7 @@ from twin.scenario import Field, Soil
 from twin.scenario.field import ROUGHNESS
 from twin.terrain.random import CELL_M, rough_heights
 from twin.validate.by_hand import parked, wheels
-from twin.validate.check import Check, near
+from twin.validate.check import Basis, Check, near
 
 Array = NDArray[np.float64]
 
@@ -41,12 +41,19 @@ def spectrum() -> list[Check]:
         wanted = 1e6 * float(np.mean(ROUGHNESS["C"] * (n[band] / 0.1) ** -2.0))
         out.append(
             near(
-                f"height field of class C, {low:g} to {2.0 * low:g} cycles/m", "G_d",
-                found, "cm3", wanted, relative=0.1, grade="published",
-                source="ISO 8608: G_d(n) = G_d(n0) (n / n0)**-2, mean of the class as recalled",
-                why="a class spans a factor of 4; a tenth is the scatter of four fields",
+                f"height field of class C, {low:g} to {2.0 * low:g} cycles/m",
+                "G_d",
+                found,
+                "cm3",
+                wanted,
+                relative=0.1,
+                basis=Basis(
+                    grade="published",
+                    source="ISO 8608: G_d(n) = G_d(n0) (n / n0)**-2, mean of the class as recalled",
+                    why="a class spans a factor of 4; a tenth is the scatter of four fields",
+                ),
             )
-        )  # fmt: skip
+        )
     return out
 
 
@@ -62,12 +69,20 @@ def tilted_map() -> list[Check]:
     names = ("front left", "front right", "rear left", "rear right")
     return [
         near(
-            f"parked on a map tilted by {TILT_DEG:g} deg", f"load, {name}", 1e-3 * ours, "kN",
-            1e-3 * wanted, relative=0.01, grade="derived", source="the same on a tilted plane",
-            why="tyres touch at one point: on a map below the hub's tread, on a plane as well",
+            f"parked on a map tilted by {TILT_DEG:g} deg",
+            f"load, {name}",
+            1e-3 * ours,
+            "kN",
+            1e-3 * wanted,
+            relative=0.01,
+            basis=Basis(
+                grade="derived",
+                source="the same on a tilted plane",
+                why="tyres touch at one point: on a map below the hub's tread, on a plane as well",
+            ),
         )
         for name, ours, wanted in zip(names, map_n, plane_n, strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def _loads_n(shape: Field) -> Array:

@@ -11,7 +11,7 @@ from twin.rig.wheel import towed, wheel
 from twin.scenario import Soil
 from twin.validate.arc import Arc
 from twin.validate.brixius_forms import KINDS, free_wheel, gross, resistance
-from twin.validate.check import Check, near, within
+from twin.validate.check import Basis, Check, near, within
 
 Array = NDArray[np.float64]
 
@@ -82,9 +82,14 @@ def _errors(kind: str, bn: int) -> tuple[Array, Array, Array]:
 
 def _worst(case: str, name: str, kind: str, errors: list[Array]) -> Check:
     return within(
-        case, f"greatest error of {name}", np.abs(errors).max(), "1", high=0.01, reference=0.0,
-        source=EQUATIONS[kind], why=PLUMBING, grade="published",
-    )  # fmt: skip
+        case,
+        f"greatest error of {name}",
+        np.abs(errors).max(),
+        "1",
+        high=0.01,
+        reference=0.0,
+        basis=Basis(source=EQUATIONS[kind], why=PLUMBING, grade="published"),
+    )
 
 
 def top_efficiency() -> list[Check]:
@@ -99,10 +104,15 @@ def top_efficiency() -> list[Check]:
                 off.append(abs(best.tractive_efficiency[0] - top))
         out.append(
             within(
-                f"{kind} tyre, Bn 20 to 80", "greatest error of top efficiency", max(off), "1",
-                high=0.005, reference=0.0, source=EQUATIONS[kind], why=PLUMBING, grade="published",
+                f"{kind} tyre, Bn 20 to 80",
+                "greatest error of top efficiency",
+                max(off),
+                "1",
+                high=0.005,
+                reference=0.0,
+                basis=Basis(source=EQUATIONS[kind], why=PLUMBING, grade="published"),
             )
-        )  # fmt: skip
+        )
     return out
 
 
@@ -119,11 +129,18 @@ def towed_wheel() -> list[Check]:
         )
         out += [
             near(
-                f"{kind} tyre towed, Bn {bn}", name, ours, "1", wanted, relative=0.02,
-                source=f"{EQUATIONS[kind]}: GTR(s) = 0", why=PLUMBING, grade="published",
+                f"{kind} tyre towed, Bn {bn}",
+                name,
+                ours,
+                "1",
+                wanted,
+                relative=0.02,
+                basis=Basis(
+                    source=f"{EQUATIONS[kind]}: GTR(s) = 0", why=PLUMBING, grade="published"
+                ),
             )
             for name, ours, wanted in figures
-        ]  # fmt: skip
+        ]
     return out
 
 
@@ -157,15 +174,23 @@ def _arc_checks(preset: str) -> list[Check]:
     )
     return [
         near(
-            f"rigid wheel 0.45 x 0.30 m, 5 kN, 20 % slip, {preset}", name, ours, unit, wanted,
-            relative=0.02, absolute=absolute,
-            source="Wong & Reece 1967, Janosi & Hanamoto 1961, adaptive quadrature; soil of Wong "
-            "2008, table 2.3",
-            why="few points along the arc in the law; 0.1 % of the load where pull is near zero",
-            grade="published",
+            f"rigid wheel 0.45 x 0.30 m, 5 kN, 20 % slip, {preset}",
+            name,
+            ours,
+            unit,
+            wanted,
+            relative=0.02,
+            absolute=absolute,
+            basis=Basis(
+                source="Wong & Reece 1967, Janosi & Hanamoto 1961, adaptive quadrature; soil of "
+                "Wong 2008, table 2.3",
+                why="few points along the arc in the law; 0.1 % of the load where pull is near "
+                "zero",
+                grade="published",
+            ),
         )
         for name, ours, unit, wanted, absolute in figures
-    ]  # fmt: skip
+    ]
 
 
 FIT = "fitted to Brixius on this tyre: agreement is what was asked for, not a finding"
@@ -212,7 +237,11 @@ def _agreement(
 ) -> Check:
     """Mean of Bekker's over the mean of Brixius'."""
     return near(
-        f"{preset} field, {axle} tyre", f"{what}: Bekker over Brixius",
-        bekker.mean() / brixius.mean(), "1", 1.0, relative=band, source="the other law", why=BAND,
-        grade="assumed", note=note,
-    )  # fmt: skip
+        f"{preset} field, {axle} tyre",
+        f"{what}: Bekker over Brixius",
+        bekker.mean() / brixius.mean(),
+        "1",
+        1.0,
+        relative=band,
+        basis=Basis(source="the other law", why=BAND, grade="assumed", note=note),
+    )

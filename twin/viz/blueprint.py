@@ -9,6 +9,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
+from twin.plugins.lookup import Thing
 from twin.streams import Setup, Streams, Table
 from twin.viz.events import FIXED
 from twin.viz.paths import (
@@ -59,7 +60,7 @@ KINDS: dict[str, tuple[Panel, ...]] = {
 }
 
 
-def kind(truth: Table, streams: Streams, scenario: Any) -> str:
+def kind(truth: Table, streams: Streams, scenario: Thing) -> str:
     """Which view suits a run: masked before ploughing before slope before road."""
     if _lost_fix(truth, streams):
         return "masked"
@@ -73,7 +74,7 @@ def simulated(
     truth: Table,
     streams: Streams,
     setup: Setup,
-    scenario: Any,
+    scenario: Thing,
     *,
     frames: bool,
     control: bool = False,

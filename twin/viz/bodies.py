@@ -7,12 +7,11 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from twin.physics import block
 from twin.physics.block import Field
+from twin.viz.tools import Array
 
-Array = NDArray[Any]
 SHARE, WIDTH, BLOCK = "plough.share_", "plough.body_width_m", "tractor_twin"
 
 
@@ -49,7 +48,7 @@ class Bodies:
         return self.aside_m - 0.5 * self.width_m
 
 
-def bodies(model: Any) -> Bodies | None:
+def bodies(model: mujoco.MjModel) -> Bodies | None:
     """Those of a compiled mujoco.MjModel; None for one without a plough.
 
     Its sites `plough.share_1`, ... are where the soil's forces act, `plough.body_width_m` is a
@@ -73,7 +72,7 @@ def bodies(model: Any) -> Bodies | None:
     )
 
 
-def _field(model: Any) -> dict[int, float]:
+def _field(model: mujoco.MjModel) -> dict[int, float]:
     """The ground's numbers of the parameter block, none without one."""
     if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_NUMERIC, BLOCK) < 0:
         return {}
@@ -81,7 +80,7 @@ def _field(model: Any) -> dict[int, float]:
     return dict(enumerate(numbers.tolist()))
 
 
-def _place_m(model: Any, site: Any) -> Array:
+def _place_m(model: mujoco.MjModel, site: Any) -> Array:
     """Place ahead and to the left on the machine, with the linkage level."""
     place_m, body = np.array(site.pos), int(site.bodyid[0])
     while int(model.body_parentid[body]) != 0:

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import rerun as rr
-from numpy.typing import NDArray
 
+from twin.plugins.lookup import Thing
 from twin.streams import Streams, Table
 from twin.viz.paths import EVENTS
-from twin.viz.tools import times
+from twin.viz.tools import Array, times
 
 if TYPE_CHECKING:
     from twin.trajectory.end import End
-
-Array = NDArray[Any]
 
 FIXES = {4: "fixed", 5: "float", 2: "differential", 1: "single", 0: "none"}
 FIXED = 4
@@ -45,7 +43,7 @@ def log_events(recording: rr.RecordingStream, found: Iterable[Event]) -> None:
 
 
 def events(
-    truth: Table, streams: Streams, scenario: Any, end: End | None = None
+    truth: Table, streams: Streams, scenario: Thing, end: End | None = None
 ) -> Iterator[Event]:
     """What happened in a run: truth's events, then those that a sensor tells of itself."""
     epoch_ns = truth.get("epoch_ns", np.empty(0, np.int64))

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from twin.viz.bodies import Bodies
 from twin.viz.furrows import Cut, Pass, left_by, worked_by
-
-Array = NDArray[Any]
+from twin.viz.tools import Array
 
 NAME = "soil_seen"
 HORIZON_M = 400.0
@@ -68,7 +67,7 @@ class FieldMesh:
         self.lines_s = _lines(LONGER * fine_m, reach_m[0])
         self.lines_t = _lines(fine_m, reach_m[1])
 
-    def add(self, spec: Any) -> None:
+    def add(self, spec: mujoco.MjSpec) -> None:
         """The mesh, its texture, a sun and a sky, in place of what marks the ground there."""
         n, m = len(self.lines_s), len(self.lines_t)
         i, j = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
@@ -105,7 +104,7 @@ class FieldMesh:
         head.ambient[:], head.diffuse[:], head.specular[:] = 0.42, 0.22, 0.05
         spec.visual.quality.shadowsize = SHADOW_PX
 
-    def set(self, model: Any, seen: Seen) -> None:
+    def set(self, model: mujoco.MjModel, seen: Seen) -> None:
         """Vertices, normals and texels for where a machine stands; `upload` shows them."""
         s_m = self.lines_s + _snapped(seen.s_m, LONGER * self.fine_m)
         t_m = self.lines_t + _snapped(seen.t_m, self.fine_m)
@@ -130,7 +129,7 @@ class FieldMesh:
         model.tex_data[first : first + texels.size] = texels.ravel()
 
     @staticmethod
-    def upload(model: Any, context: Any) -> None:
+    def upload(model: mujoco.MjModel, context: mujoco.MjrContext) -> None:
         """Give OpenGL what was set."""
         mujoco.mjr_uploadMesh(model, context, model.mesh(NAME).id)
         mujoco.mjr_uploadTexture(model, context, model.texture(NAME).id)

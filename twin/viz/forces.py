@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import rerun as rr
-from numpy.typing import NDArray
 
 from twin.streams import WHEELS, Setup, Table
 from twin.viz.paths import FORCES
-from twin.viz.tools import axes_w, position_w, times
-
-Array = NDArray[Any]
+from twin.viz.tools import Array, axes_w, position_w, times
 
 LONGEST_M = 1.5
 """Length of the largest wheel load, as a share of the tractor's wheelbase over 2.5 m."""

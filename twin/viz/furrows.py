@@ -12,14 +12,11 @@ Slices that lie turned lean on each other at asin(d / w), which makes a saw of t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from twin.viz.bodies import Bodies
-
-Array = NDArray[Any]
+from twin.viz.tools import Array
 
 PLOUGHED_M = 6.0
 """How far the land beside the last furrow was ploughed before, as drawn."""

@@ -1,4 +1,7 @@
-"""The ground as it is drawn: its heights and soils, the last furrow, and what has been ploughed."""
+"""The ground as it is drawn: its heights and soils, the last furrow, and what has been ploughed.
+
+One module, because mesh, colours and slices are laid over one another.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +11,9 @@ from typing import Any
 
 import numpy as np
 import rerun as rr
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from twin.plugins.lookup import Thing
 from twin.scenario.plough import FURROW_SIDES
 from twin.streams import Table
 from twin.viz.bodies import Bodies
@@ -24,9 +27,7 @@ from twin.viz.furrows import (
     worked_by,
 )
 from twin.viz.paths import FURROW, GROUND, LAND
-from twin.viz.tools import every, position_w, times
-
-Array = NDArray[Any]
+from twin.viz.tools import Array, every, position_w, times
 
 CELL_M, FAR_CELL_M, FINE_M, FAR_M = 0.3, 3.0, 7.0, 45.0
 """Mesh near the path and beyond it, and how far each reaches."""
@@ -55,7 +56,9 @@ class Ground:
         return np.asarray(local @ self.world_from_ground.T)
 
 
-def log_ground(recording: rr.RecordingStream, truth: Table, scenario: Any, ground: Ground) -> None:
+def log_ground(
+    recording: rr.RecordingStream, truth: Table, scenario: Thing, ground: Ground
+) -> None:
     """A mesh of the ground about the path: fine beside it, coarse beyond; soils by colour.
 
     With several passes it is drawn anew at the start of each, with what the one before has cut. The
@@ -89,7 +92,7 @@ def log_ground(recording: rr.RecordingStream, truth: Table, scenario: Any, groun
         )
 
 
-def worked(moments: Table, scenario: Any, ground: Ground) -> list[tuple[Cut, Pass]]:
+def worked(moments: Table, scenario: Thing, ground: Ground) -> list[tuple[Cut, Pass]]:
     """The passes with a plough: the furrow that is there before each, and its way in the ground.
 
     The first furrow was there; the others are what each pass left for the next.
@@ -119,7 +122,7 @@ def worked(moments: Table, scenario: Any, ground: Ground) -> list[tuple[Cut, Pas
 
 
 def log_ploughing(
-    recording: rr.RecordingStream, truth: Table, scenario: Any, ground: Ground
+    recording: rr.RecordingStream, truth: Table, scenario: Thing, ground: Ground
 ) -> None:
     """Slices that lie turned behind each body, and before it the land that it will cut.
 
@@ -155,7 +158,7 @@ Pieces = tuple[Array, Array, Array, Array]
 (n, m, 3) and quaternion xyzw (n, m, 4) of a box for each of m bodies."""
 
 
-def slices(moments: Table, scenario: Any, ground: Ground, bodies: Bodies) -> Pieces:
+def slices(moments: Table, scenario: Thing, ground: Ground, bodies: Bodies) -> Pieces:
     """What the bodies turned over between moments: each slice leans on the one before.
 
     A slice of width w and depth d stands on the sole at asin(d / w), its upper edge away from the
@@ -176,7 +179,7 @@ def slices(moments: Table, scenario: Any, ground: Ground, bodies: Bodies) -> Pie
     return rows, ground.surface_w(s, t, middle_m[:, None]), half_m, xyzw
 
 
-def land(moments: Table, scenario: Any, ground: Ground, bodies: Bodies) -> Pieces:
+def land(moments: Table, scenario: Thing, ground: Ground, bodies: Bodies) -> Pieces:
     """What each body cuts between moments, as it lies before; the first one's up to the wall."""
     over_m = np.zeros(bodies.count)
     over_m[0] = bodies.wall_m - bodies.edge_m[0] - bodies.width_m
@@ -244,7 +247,9 @@ def _nodes(places: Array, field_beyond: bool, margin_m: float) -> Array:
     return np.concatenate([below, near, above])
 
 
-def _with_edges(t_m: Array, found: list[tuple[Cut, Pass]], bodies: Bodies, scenario: Any) -> Array:
+def _with_edges(
+    t_m: Array, found: list[tuple[Cut, Pass]], bodies: Bodies, scenario: Thing
+) -> Array:
     """Lines of the mesh with some more: where walls stand, and at valleys and crests of slices."""
     rising_m = bodies.width_m * np.cos(leaning_rad(scenario.plough.depth_m, bodies.width_m)) ** 2
     valleys = np.arange(bodies.open_m + bodies.width_m, PLOUGHED_M, bodies.width_m)
@@ -260,7 +265,7 @@ def _with_edges(t_m: Array, found: list[tuple[Cut, Pass]], bodies: Bodies, scena
 
 
 def _lifted_m(
-    scenario: Any, ground: Ground, found: list[tuple[Cut, Pass]], k: int, s: Array, t: Array
+    scenario: Thing, ground: Ground, found: list[tuple[Cut, Pass]], k: int, s: Array, t: Array
 ) -> tuple[Array, Array]:
     """Height of the ground above the field as it was, and where it was worked.
 
@@ -277,12 +282,12 @@ def _lifted_m(
     return lifted, worked
 
 
-def _soil(scenario: Any) -> tuple[int, int, int]:
+def _soil(scenario: Thing) -> tuple[int, int, int]:
     """Colour of the land."""
     return COLOURS.get(getattr(getattr(scenario, "soil", None), "preset", ""), SOIL)
 
 
-def _colours(scenario: Any, ground: Ground, s: Array, t: Array, cut: Array) -> Array:
+def _colours(scenario: Thing, ground: Ground, s: Array, t: Array, cut: Array) -> Array:
     """Colour of each node: the soil, the other soil, weaker stretches, what was ploughed."""
     colour = np.broadcast_to(np.array(_soil(scenario), float), (*s.shape, 3))
     mixture = ground.maps.get("mixture")

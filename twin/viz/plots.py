@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import rerun as rr
-from numpy.typing import NDArray
 
 from twin.report.palette import SEA, colours
 from twin.scores.scores import moving
@@ -31,9 +29,7 @@ from twin.viz.paths import (
     TRUTH_COLOUR,
     WHEELS,
 )
-from twin.viz.tools import every, rgba, times
-
-Array = NDArray[Any]
+from twin.viz.tools import Array, every, rgba, times
 
 PLOT_RATE_HZ = 20.0
 FOUR = ("#56B4E9", "#E69F00", "#009E73", "#CC79A7")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
+import mujoco
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
@@ -33,8 +33,8 @@ def record(
     run: RunLike,
     path: Path,
     *,
-    model: Any | None = None,
-    turned: Any | None = None,
+    model: mujoco.MjModel | None = None,
+    turned: mujoco.MjModel | None = None,
     ground: Ground | None = None,
     control: Table | None = None,
 ) -> None:

@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
+import mujoco
 import numpy as np
 import rerun as rr
-from numpy.typing import NDArray
 
 from twin.report.palette import SEA
 from twin.streams import Setup, Table
 from twin.viz.paths import FOLLOW, TRACTOR
 from twin.viz.shapes import Shapes, body_poses, log_shapes, looks_alike
-from twin.viz.tools import axes_w, position_w, rgba, times
-
-Array = NDArray[Any]
+from twin.viz.tools import Array, axes_w, position_w, rgba, times
 
 
 def log_machine(
     recording: rr.RecordingStream,
     truth: Table,
-    model: Any,
-    turned: Any | None = None,
+    model: mujoco.MjModel,
+    turned: mujoco.MjModel | None = None,
     from_ns: Sequence[int] = (),
 ) -> None:
     """Every body of the model that can be seen, where truth says it was.

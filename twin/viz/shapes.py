@@ -8,12 +8,9 @@ from typing import Any
 import mujoco
 import numpy as np
 import rerun as rr
-from numpy.typing import NDArray
 
 from twin.streams import Table
-from twin.viz.tools import set_time
-
-Array = NDArray[Any]
+from twin.viz.tools import Array, set_time
 
 VISUAL_GROUP = 2
 _KINDS = mujoco.mjtGeom
@@ -34,14 +31,14 @@ _SOLID = frozenset(
 class Shapes:
     """The geoms worth drawing and the bodies they sit on."""
 
-    model: Any
+    model: mujoco.MjModel
     bodies: dict[int, str]
     """Body number -> name, of the bodies that have something to draw."""
     geoms: dict[int, list[int]]
     """Body number -> its geoms."""
 
     @classmethod
-    def of(cls, model: Any) -> Shapes:
+    def of(cls, model: mujoco.MjModel) -> Shapes:
         """Moving geoms of group 2; of every group where a model marks none as visual."""
         moving = [g for g in range(model.ngeom) if model.geom_bodyid[g] > 0]
         solid = [g for g in moving if int(model.geom_type[g]) in _SOLID]
@@ -53,7 +50,7 @@ class Shapes:
         return cls(model=model, bodies=bodies, geoms=geoms)
 
 
-def body_poses(model: Any, truth: Table) -> tuple[Array, Array]:
+def body_poses(model: mujoco.MjModel, truth: Table) -> tuple[Array, Array]:
     """Pose of every body at every row of truth, by forward kinematics.
 
     Args:
@@ -75,7 +72,7 @@ def body_poses(model: Any, truth: Table) -> tuple[Array, Array]:
     return position_w, world_from_body
 
 
-def joint_states(model: Any, truth: Table) -> Array:
+def joint_states(model: mujoco.MjModel, truth: Table) -> Array:
     """The model's joint positions at every row of truth. Shape (n, nq)."""
     n = len(truth["epoch_ns"])
     states = np.tile(model.qpos0, (n, 1))  # (n, nq)
@@ -118,7 +115,7 @@ def log_shapes(
     recording.reset_time()
 
 
-def looks_alike(model: Any, other: Any, body: int) -> bool:
+def looks_alike(model: mujoco.MjModel, other: mujoco.MjModel, body: int) -> bool:
     """Whether the geoms of a body stand the same in two models of one machine."""
     mine = model.geom_bodyid == body
     return bool(
@@ -132,7 +129,7 @@ def _plain(name: str) -> str:
     return name.replace("/", "_").replace(".", "_")
 
 
-def _batch(model: Any, kind: Any, geoms: Array) -> tuple[str, Any]:
+def _batch(model: mujoco.MjModel, kind: Any, geoms: Array) -> tuple[str, Any]:
     """Geoms of one kind as one rerun archetype, placed in their body, and what to call it."""
     size, centre, wxyz = model.geom_size[geoms], model.geom_pos[geoms], model.geom_quat[geoms]
     placed: dict[str, Any] = {
@@ -155,7 +152,7 @@ def _batch(model: Any, kind: Any, geoms: Array) -> tuple[str, Any]:
     return name, rr.Ellipsoids3D(half_sizes=half, centers=centre, **placed)
 
 
-def _mesh(model: Any, g: int) -> rr.Mesh3D:
+def _mesh(model: mujoco.MjModel, g: int) -> rr.Mesh3D:
     mesh = model.geom_dataid[g]
     first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
     face, faces = model.mesh_faceadr[mesh], model.mesh_facenum[mesh]
@@ -180,7 +177,7 @@ def _z_axis(wxyz: Array) -> Array:
     return np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
 
 
-def _colour(model: Any, g: int) -> list[int]:
+def _colour(model: mujoco.MjModel, g: int) -> list[int]:
     material = model.geom_matid[g]
     rgba = model.mat_rgba[material] if material >= 0 else model.geom_rgba[g]
     red, green, blue, alpha = (int(v) for v in np.clip(np.round(255 * rgba), 0, 255))

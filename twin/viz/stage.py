@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from twin.camera.opengl import OffScreen
 from twin.machine.build import assemble
 from twin.machine.files import model_path
+from twin.plugins.lookup import Thing
 from twin.viz.bodies import bodies
 from twin.viz.field import FieldMesh, Seen
-
-Array = NDArray[Any]
+from twin.viz.tools import Array
 
 LARGE_M = 2.55
 """Wheelbase of the tractor that cells and distances are meant for."""
@@ -37,7 +37,7 @@ class Stage:
     """A model that is only looked at, its state, and the eye that follows it."""
 
     def __init__(
-        self, scenario: Any, setting: Any = None, *, camera: str = "follow", detail: float = 1.0
+        self, scenario: Thing, setting: Any = None, *, camera: str = "follow", detail: float = 1.0
     ) -> None:
         """Args: setting: of the plough. camera: one of VIEWS. detail: over the field's usual."""
         scale = _wheelbase_m(scenario) / LARGE_M
@@ -78,6 +78,6 @@ class Stage:
         return frame.draw(self.scene)
 
 
-def _wheelbase_m(scenario: Any) -> float:
+def _wheelbase_m(scenario: Thing) -> float:
     spec = mujoco.MjSpec.from_file(str(model_path(scenario.machine)))
     return float(spec.body("front_axle").pos[0])

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import rerun as rr
-from numpy.typing import NDArray
 
 from twin.report.palette import SEA, colours
 from twin.streams import Setup, Streams, Table
 from twin.viz.paths import ESTIMATES, GNSS, MAP, NO_SIDESLIP, ORANGE, PATH
-from twin.viz.tools import axes_w, every, position_w, rgba, times
-
-Array = NDArray[Any]
+from twin.viz.tools import Array, axes_w, every, position_w, rgba, times
 
 WHITE = [255, 255, 255]
 PATH_HZ = 5.0

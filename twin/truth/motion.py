@@ -1,0 +1,120 @@
+"""The laws of motion over the ground, one row for each instant of a table or each machine of many.
+
+Slip has one definition, per wheel and for the driven axle (means of w R and v over the driven
+wheels):
+
+    s = (w R - v) / max(|w R|, |v|, 0.05 m/s)
+
+v is the wheel centre's velocity along its rolling direction on the ground, R the radius at which
+the law's own slip is zero. The ground plane's axes are the body's x axis a projected on it, and
+that of its left:
+
+    x = unit(a - (a . n) n)        y = n x x        v_x = x . v        v_y = y . v
+
+No row depends on the others.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.compute import quaternion
+from twin.compute.compiled import inlined_law, law
+from twin.physics import rigid
+from twin.physics.tyre import SLOWEST_MPS
+
+Array = NDArray[np.float64]
+Number = TypeVar("Number", float, Array)
+Places = NDArray[np.int64]
+"""Places of the driven wheels in `twin.streams.WHEELS`."""
+
+x_axis = inlined_law(quaternion.x_axis)
+
+
+class Wheels(NamedTuple):
+    """What the four wheels do, in the order of `twin.streams.WHEELS`. Shapes (n, 4)."""
+
+    spin_radps: Array
+    """w."""
+    rolling_radius_m: Array
+    """R."""
+    hub_mps: Array
+    """Speed of the wheel's centre along its rolling direction, v."""
+
+
+class DrivenAxle(NamedTuple):
+    """Means over the driven wheels. Shapes (n,)."""
+
+    wheel_speed_mps: Array
+    """w R."""
+    hub_mps: Array
+    """Speed of the wheel centres along their rolling direction."""
+    axle_radps: Array
+    """w."""
+
+
+def slip_ratio(wheel_speed_mps: Number, speed_mps: Number) -> Number:
+    """s = (w R - v) / max(|w R|, |v|, 0.05 m/s); of numbers, or elementwise."""
+    largest = np.maximum(np.abs(wheel_speed_mps), np.abs(speed_mps))
+    slip: Number = (wheel_speed_mps - speed_mps) / np.maximum(largest, SLOWEST_MPS)
+    return slip
+
+
+compiled_slip_ratio = law(slip_ratio)
+"""The same of two numbers, in a tenth of the time."""
+
+
+def ground_velocity(world_from_body: Array, normal_w: Array, velocity_w: Array) -> Array:
+    """Velocities v_x and v_y in the ground plane's axes.
+
+    Args:
+        world_from_body: attitudes, quaternions wxyz (n, 4).
+        normal_w: normals n of the ground planes (n, 3).
+        velocity_w: velocities v of a point (n, 3) [m/s].
+
+    Returns:
+        Shape (2, n).
+    """
+    out = np.empty((2, len(velocity_w)))
+    _ground_velocity(world_from_body, normal_w, velocity_w, out)
+    return out
+
+
+@law
+def _ground_velocity(
+    world_from_body: Array, normal_w: Array, velocity_w: Array, out: Array
+) -> None:
+    for i in range(len(velocity_w)):
+        q = world_from_body[i]
+        n, v = rigid.row3(normal_w, i), rigid.row3(velocity_w, i)
+        body_x = x_axis(q[0], q[1], q[2], q[3])
+        ahead = rigid.minus(body_x, rigid.scaled(rigid.dot(body_x, n), n))
+        length = math.sqrt(rigid.dot(ahead, ahead))
+        ahead = (ahead[0] / length, ahead[1] / length, ahead[2] / length)
+        out[0, i], out[1, i] = rigid.dot(ahead, v), rigid.dot(rigid.cross(n, ahead), v)
+
+
+def driven_axle(wheels: Wheels, driven: Places) -> DrivenAxle:
+    """Means over the driven wheels."""
+    spin, radius, hub = wheels
+    out = np.empty((3, len(spin)))
+    _driven_axle(spin, radius, hub, driven, out)
+    return DrivenAxle(out[0], out[1], out[2])
+
+
+@law
+def _driven_axle(
+    spin_radps: Array, radius_m: Array, hub_mps: Array, driven: Places, out: Array
+) -> None:
+    count = len(driven)
+    for i in range(len(spin_radps)):
+        rim = hub = spin = 0.0
+        for wheel in driven:
+            rim += spin_radps[i, wheel] * radius_m[i, wheel]
+            hub += hub_mps[i, wheel]
+            spin += spin_radps[i, wheel]
+        out[0, i], out[1, i], out[2, i] = rim / count, hub / count, spin / count
