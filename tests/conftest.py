@@ -1,5 +1,6 @@
 """Settings of all tests, and what is checked of whatever they leave."""
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,6 +12,8 @@ from tests.recordings import broken
 # a law's first call compiles it, which takes longer than any deadline
 settings.register_profile("compiled", settings.default, deadline=None)
 settings.load_profile("compiled")
+
+os.environ.pop("COLUMNS", None)  # some terminals hand it on; what is printed here has no width
 
 LONG = Path(__file__).parent / "long"
 

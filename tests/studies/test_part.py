@@ -7,7 +7,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from twin import cli
-from twin.errors import BadInput
+from twin.errors import BadInput, NoSpace
 from twin.pipeline import named as registry
 from twin.pipeline import run
 from twin.scores import scores
@@ -56,12 +56,12 @@ def test_a_part_appears_whole_or_not_at_all(tmp_path, monkeypatch):
     case, *_ = plan(["ima-pkf"], [0], ["ratio"], {})
 
     def torn(table, file, **_):
-        file.write(b"PAR1 half")
-        raise OSError("disk full")
+        file.write_bytes(b"PAR1 half")
+        raise OSError(28, "disk full")
 
     with monkeypatch.context() as patched:
         patched.setattr(pq, "write_table", torn)
-        with pytest.raises(OSError, match="disk full"):
+        with pytest.raises(NoSpace, match="No space left on device"):
             part.write(case, tmp_path)
     assert list(tmp_path.iterdir()) == []
     part.write(case, tmp_path)
@@ -89,7 +89,7 @@ def test_a_full_disk_is_one_line_and_what_is_done_stays(tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(part, "write", full)
-    with pytest.raises(BadInput, match=r"the study stopped: OSError.*No space left.*missing"):
+    with pytest.raises(BadInput, match=r"the study stopped: OSError.*No space left.*continues"):
         work(cases, tmp_path, jobs=1)
     assert len(missing(cases, tmp_path)) == 2
 
