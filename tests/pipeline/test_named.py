@@ -11,7 +11,7 @@ from twin.pipeline import named as registry
 from twin.pipeline.run import run
 from twin.streams import Setup, Streams
 
-MINE = Path(__file__).parent / "estimators" / "mine.py"
+MINE = Path(__file__).parents[1] / "estimators" / "mine.py"
 
 
 @pytest.fixture
