@@ -10,7 +10,6 @@ import math
 
 import numpy as np
 
-from twin.compute.compiled import compiled
 from twin.sensors.noise import Array
 
 
@@ -71,21 +70,9 @@ def filtered(sections: Array, state: Array, x: Array) -> tuple[Array, Array]:
 
     It works sample by sample, so cutting x anywhere changes no bit (tested).
     """
+    from twin.sensors.sections import run_sections  # late: numba is slow to import
+
     x = np.ascontiguousarray(x)  # one layout, compiled once
     after, y = state.copy(), np.empty(x.shape)
-    _filter(sections, after, x, y)
+    run_sections(sections, after, x, y)
     return after, y
-
-
-@compiled
-def _filter(sections: Array, state: Array, x: Array, y: Array) -> None:
-    """Transposed direct form II of each section in turn; the state is changed in place."""
-    for i in range(x.shape[0]):
-        for j in range(x.shape[1]):
-            value = x[i, j]
-            for k in range(sections.shape[0]):
-                out = sections[k, 0] * value + state[k, 0, j]
-                state[k, 0, j] = sections[k, 1] * value - sections[k, 4] * out + state[k, 1, j]
-                state[k, 1, j] = sections[k, 2] * value - sections[k, 5] * out
-                value = out
-            y[i, j] = value
