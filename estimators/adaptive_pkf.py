@@ -150,7 +150,10 @@ class AdaptivePkf:
         return begin(setup, tuning, memory)
 
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
-        """The state after the chunk, and an estimate for each of its wheel samples."""
+        """The state after the chunk, and a table with one row per accepted wheel sample.
+
+        An out-of-order wheel sample gives no row.
+        """
         return advance(_loop, state, chunk)
 
     def _box(self, variance: Array) -> tuple[Array, Array]:

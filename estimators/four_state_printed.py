@@ -66,7 +66,10 @@ class FourStatePrinted:
         return begin(setup, np.array([(self.process_var,)], TUNING), memory)
 
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
-        """The state after the chunk, and an estimate for each of its steps."""
+        """The state after the chunk, and a table with one row per step of the filter.
+
+        A wheel sample gives a row if a step of 0.1 s is due. An out-of-order one gives none.
+        """
         return advance(_loop, state, chunk)
 
 

@@ -1,12 +1,15 @@
 """Noise covariances from innovations: predicted against actual mean square, by search in a box.
 
-What is sought is q = diag(Q) of both blocks and r = diag(R) of the four measured rows,
+The search looks for q = diag(Q) of both blocks and r = diag(R) of the four measured rows,
 
     x = [q_v, q_a, q_j, q_w, q_aw, q_jw, r_v, r_a, r_w, r_aw]
 
-so that the filter's calculated mean square of the innovation (FPMSE) meets the one that was
-(TPMSE). It sees the four sums of an element of q and one of r; q_j and q_jw it does not see at all,
-nor how a sum is shared out. Where in the box the search comes to rest decides that.
+so that the mean square of the innovation which the filter predicts (FPMSE) equals the mean square
+of the actual innovations (TPMSE). The fitness depends only on four sums, each of an element of q
+and an element of r. It does not depend on q_j and q_jw, nor on the shares of q and r in a sum. The
+point of the box at which the search ends decides these.
+
+v, a, j are speed, acceleration and jerk of the ground; w, aw, jw those of the driven wheels.
 """
 
 from __future__ import annotations
@@ -29,17 +32,17 @@ ROWS = 4
 """Measured rows: speed and acceleration of the ground, speed and acceleration of the wheels."""
 SOUGHT = 10
 PROCESS = (0, 1, 3, 4)
-"""Where in x the process variance of each row stands; its measurement variance is at 6 + row."""
+"""Index in x of each row's process variance; its measurement variance has the index 6 + row."""
 PSO, MAYFLY, IMPROVED_MAYFLY = range(3)
 VARIANCE, DEVIATION, LOGARITHM = range(3)
-"""What the box is one of: variances, standard deviations, natural logarithms of variances."""
+"""Encoding of x: variances, standard deviations, natural logarithms of variances."""
 BUDGET = 1300
 """Evaluations of a search: 20 + 20 mayflies and 20 generations."""
 
 GAP, COUPLING, STEPS, SEEN, ENCODING = 0, 4, 10, 11, 15
-"""Where each part of a problem begins: diagonal of FPMSE - TPMSE without q and r (4), its elements
-above the diagonal (6), steps of 0.02 s that q acts for, 1 for a row that was measured (4), what
-x is an encoding of."""
+"""Index at which each part of a problem begins: the diagonal of FPMSE - TPMSE without q and r (4),
+its elements above the diagonal (6), the number n of 0.02 s steps that q acts for, 1 for each
+measured row (4), the encoding of x."""
 PROBLEM = 16
 
 
@@ -82,13 +85,13 @@ def mean_of(sums: Array, counts: Array) -> Array:
 
 @compiled
 def problem(ground: Array, wheel: Array, tpmse: Array, steps: float, encoding: int) -> Array:
-    """What `fitness` needs: everything that the candidates have in common.
+    """What `fitness` needs beside the candidate, shape (16,).
 
     Args:
-        ground: A P A^T of the ground's block before Q is added, (3, 3).
-        wheel: the same of the wheels' block.
+        ground: A P A^T of the ground's block, without Q, (3, 3).
+        wheel: the same of the wheels' block, (3, 3).
         tpmse: C, (4, 4); a row whose C_ii is 0 was not measured.
-        steps: steps of 0.02 s that Q acts for.
+        steps: n, the number of 0.02 s steps that Q acts for.
         encoding: VARIANCE, DEVIATION or LOGARITHM.
     """
     given = np.zeros(PROBLEM)
@@ -109,13 +112,16 @@ def problem(ground: Array, wheel: Array, tpmse: Array, steps: float, encoding: i
 
 @compiled
 def fitness(x: Array, given: Array) -> float:
-    """The 2-norm of FPMSE - TPMSE for a candidate.
+    """The 2-norm of FPMSE - TPMSE for a candidate, over the measured rows.
 
-    f = || H (A P A^T + Q) H^T + R - C ||_2
+    f = || H (A P A^T + n Q) H^T + R - C ||_2
+
+    A is the transition matrix over the n steps of 0.02 s since the last update, and P the
+    covariance after that update. H has a row per measurement. Q and R are diagonal. C is TPMSE.
 
     Args:
-        x: the candidate, (10,).
-        given: what `problem` gives, (16,).
+        x: the candidate, (10,), encoded: variances, their roots or their logarithms.
+        given: output of `problem`, (16,).
 
     Source: IMA-PKF paper (INMATEH 77-13), eq. (18)-(20), with the four rows of H that are not zero.
     """
@@ -135,7 +141,7 @@ def _gap(x: Array, given: Array, row: int) -> float:
 
 @compiled
 def variance(x: float, given: Array) -> float:
-    """The variance that an element of a candidate stands for."""
+    """The variance that an element of a candidate encodes."""
     if given[ENCODING] == DEVIATION:
         return x * x
     return exp(x) if given[ENCODING] == LOGARITHM else x
@@ -200,12 +206,12 @@ def search(
 
     Args:
         method: PSO, MAYFLY or IMPROVED_MAYFLY.
-        given: what `problem` gives, (16,).
-        low: lower corner of the box, (10,), as the problem's encoding says.
+        given: output of `problem`, (16,).
+        low: lower corner of the box, (10,), in the problem's encoding.
         high: upper corner, (10,).
-        budget: most evaluations.
+        budget: largest number of evaluations.
         rng: state of `chance`, changed in place.
-        found: room for the variances, (10,).
+        found: output, the variances found, (10,).
     """
     if method == PSO:
         best = pso.minimise(fitness, low, high, budget, rng, given)

@@ -132,7 +132,10 @@ class ParallelKf:
         return begin(setup, tuning, memory)
 
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
-        """The state after the chunk, and an estimate for each of its wheel samples."""
+        """The state after the chunk, and a table with one row per accepted wheel sample.
+
+        A wheel sample that is out of order, or over 5 s older than the newest sample, gives no row.
+        """
         return advance(_loop, state, chunk)
 
 

@@ -37,7 +37,10 @@ class Ratio:
         return begin(setup, np.array([(self.towed,)], TUNING), memory)
 
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
-        """The state after the chunk, and an estimate for each of its wheel samples."""
+        """The state after the chunk, and a table with one row per accepted wheel sample.
+
+        An out-of-order wheel sample gives no row.
+        """
         return advance(_loop, state, chunk)
 
 

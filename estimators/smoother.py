@@ -79,7 +79,10 @@ class Smoother:
         return begin(setup, tuning, first_step())
 
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
-        """The state as it was, and an estimate for each wheel sample of the chunk."""
+        """The unchanged state, and a table with one row per accepted wheel sample.
+
+        An out-of-order wheel sample gives no row.
+        """
         return state, advance(_loop, state, chunk)[1]
 
 

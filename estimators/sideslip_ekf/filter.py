@@ -137,7 +137,10 @@ class SideslipEkf:
         )
 
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
-        """The state after the chunk, and an estimate for each of its wheel samples."""
+        """The state after the chunk, and a table with one row per accepted wheel sample.
+
+        A wheel sample that is out of order, or over 5 s older than the newest sample, gives no row.
+        """
         slip, table = FourState().run(state.slip, chunk)
         work = Work(replace(state, slip=slip), self.tuning)
         columns = {

@@ -152,7 +152,10 @@ class SlipEkf:
         return State(signals.start(setup), start(setup), tuning, memory)
 
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
-        """The state after the chunk, and an estimate for each of its wheel samples."""
+        """The state after the chunk, and a table with one row per accepted wheel sample.
+
+        A wheel sample that is out of order, or over 5 s older than the newest sample, gives no row.
+        """
         reader, samples = signals.read(state.reader, chunk, USED)
         lift, raised = lifted(state.lift, chunk)
         memory = state.memory.copy()

@@ -48,7 +48,10 @@ class SlipEkfSmooth:
         return self.filter.init(setup)
 
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
-        """The filter's state after the chunk, and its estimates with the chunk's future in them."""
+        """The filter's state after the chunk, and its estimates smoothed over the whole chunk.
+
+        The rows are those of the filter.
+        """
         after, table = self.filter.run(state, chunk)
         if not len(table["epoch_ns"]):
             return after, table

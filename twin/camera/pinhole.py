@@ -22,7 +22,7 @@ CAMERA_DOWN = np.array([[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 
 @dataclass(frozen=True, kw_only=True)
 class Pinhole:
-    """Size of the picture and focal length."""
+    """Size of the picture and focal length [px]."""
 
     width_px: int
     height_px: int
@@ -48,19 +48,19 @@ def focal_px(width_px: int, field_of_view_rad: float) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class View:
-    """Where the camera is at the middle of the exposure, and how it moves; ground axes.
+    """Pose of the camera at the middle of the exposure, and its motion, in ground axes.
 
     The ground plane is z = 0.
     """
 
     position_m: Array
-    """Optical centre, shape (3,)."""
+    """Optical centre [m], shape (3,)."""
     ground_from_camera: Array
     """Rotation matrix, shape (3, 3)."""
     velocity_mps: Array
-    """Of the optical centre, shape (3,)."""
+    """Velocity of the optical centre [m/s], shape (3,)."""
     spin_radps: Array
-    """Angular velocity, shape (3,)."""
+    """Angular velocity [rad/s], shape (3,)."""
     exposure_s: float = 0.0
 
 
@@ -69,10 +69,13 @@ def ground_from_pixel(lens: Pinhole, view: View, time_s: float = 0.0) -> Array:
 
         r = R K^-1,   H = [c_x r_z - c_z r_x;  c_y r_z - c_z r_y;  r_z] / r_zz
 
+    K is the camera matrix, R the rotation from camera to ground axes and c the optical centre, both
+    at `time_s`. r_x, r_y, r_z are the rows of r, and r_zz is the last element of r_z.
+
     Args:
         lens: the camera.
         view: its pose.
-        time_s: time after the middle of the exposure.
+        time_s: time after the middle of the exposure [s].
 
     Returns:
         Shape (3, 3).
@@ -99,9 +102,19 @@ def ground_from_pixel(lens: Pinhole, view: View, time_s: float = 0.0) -> Array:
 
 
 def exposed(lens: Pinhole, view: View, path_px: float) -> Array:
-    """The homographies of the parts of an exposure, evenly spread, shape (s, 3, 3).
+    """Homographies at the midpoints of s equal parts of an exposure, shape (s, 3, 3).
 
-    As many that the picture moves at most `path_px` from one to the next; one without motion.
+    s is the smallest number for which no corner of the picture moves by more than `path_px` within
+    a part; 1 if nothing moves. Pixels of motion are metres on the ground times focal length over
+    height.
+
+    Args:
+        lens: the camera.
+        view: pose at the middle of the exposure, and motion.
+        path_px: largest motion within a part [px].
+
+    Raises:
+        OutOfRange: a corner of the picture does not see the ground.
     """
     half_s = 0.5 * view.exposure_s
     ends = [ground_from_pixel(lens, view, t) for t in (-half_s, half_s)]
@@ -121,7 +134,7 @@ def ground_points(homography: Array, pixels: Array) -> Array:
 
 
 def rotation(angle_rad: Array) -> Array:
-    """Rotation matrix of a rotation vector (Rodrigues), shape (3, 3)."""
+    """Rotation matrix, shape (3, 3), of a rotation vector [rad], shape (3,) (Rodrigues)."""
     angle = float(np.linalg.norm(angle_rad))
     x, y, z = angle_rad / angle if angle > 0.0 else (0.0, 0.0, 0.0)
     k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

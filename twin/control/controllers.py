@@ -25,36 +25,44 @@ MOST_RELIEF_M = 0.15
 
 
 class Controller(Protocol):
-    """What drives: a state at the start, then actions from what is seen."""
+    """A controller of `count` tractors: a state, and actions from observations.
+
+    `seen` maps the name of each entry of the observation to its values (count,).
+    """
 
     def init(self, count: int) -> Any:
         """State before the first observation."""
 
     def act(self, state: Any, seen: Seen, period_s: float) -> tuple[Any, Array]:
-        """New state and actions (count, 2) in [-1, 1]."""
+        """New state and actions (count, 2) in [-1, 1]; `period_s` is the control step [s]."""
 
 
 def actions(throttle: Gain, depth_set_m: Array) -> Array:
-    """Throttle and the hitch action of a depth set point, (count, 2) in [-1, 1]."""
+    """Actions of `Plough-v0`, shape (count, 2), clipped to [-1, 1].
+
+    Args:
+        throttle: throttle action, in [-1, 1] already; a number or an array (count,).
+        depth_set_m: depth set point, (count,); [-0.10, 0.35] m maps linearly to [-1, 1].
+    """
     hitch = 2.0 * (depth_set_m - RAISED_M) / (DEEPEST_M - RAISED_M) - 1.0
     both = np.stack([np.broadcast_to(np.asarray(throttle), hitch.shape), hitch], axis=-1)
     return np.asarray(np.clip(both, -1.0, 1.0), dtype=np.float64)
 
 
 def slip_error(seen: Seen) -> Array:
-    """Slip above the target."""
+    """Slip minus target, signed [-], (count,)."""
     return seen["slip"] - seen["slip_target"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Constant:
-    """Constant throttle and depth: what a driver does who looks ahead only."""
+    """Constant throttle and depth, without feedback of slip."""
 
     throttle: Gain
     trim_m: Gain
 
     def init(self, count: int) -> None:
-        """Nothing to remember."""
+        """No state."""
 
     def act(self, state: None, seen: Seen, period_s: float) -> tuple[None, Array]:
         """Depth set = target + trim."""
@@ -73,7 +81,7 @@ class PI:
     """Relief per slip error and second [m/s]."""
 
     def init(self, count: int) -> Array:
-        """The integral part of the relief [m]."""
+        """The integral part of the relief [m], (count,)."""
         return np.zeros(count)
 
     def act(self, state: Array, seen: Seen, period_s: float) -> tuple[Array, Array]:
@@ -111,7 +119,9 @@ class ScheduledPI(PI):
 class SlidingMode:
     """Sliding mode with integral surface and boundary layer.
 
-    sigma  = e + integral of lambda e        relief = K (1 + sat(sigma / phi)) / 2
+        sigma  = e + integral of lambda e        relief = K (1 + sat(sigma / phi)) / 2
+
+    e is the slip error, and sat clips to [-1, 1].
     """
 
     throttle: Gain
@@ -121,10 +131,10 @@ class SlidingMode:
     surface_radps: Gain
     """lambda: slope of the surface [1/s]."""
     layer: Gain
-    """phi: slip error at the edge of the boundary layer."""
+    """phi: slip error at the edge of the boundary layer [-]."""
 
     def init(self, count: int) -> Array:
-        """The integral part of the surface: no relief at the start."""
+        """The integral part of sigma / phi [-], (count,); -1 is no relief."""
         return np.full(count, -1.0)
 
     def act(self, state: Array, seen: Seen, period_s: float) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""Many tractors at once, whatever is asked of them: seeds, parts, autoreset."""
+"""Many tractors as one vector environment: seeds, partial resets, autoreset."""
 
 from __future__ import annotations
 
@@ -26,7 +26,10 @@ Stepped = tuple[Observations, NDArray[np.float64], NDArray[np.bool_], NDArray[np
 
 
 class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPickle):
-    """Episodes of many tractors side by side; a subclass says which."""
+    """Vector environment of independent simulations, one tractor each.
+
+    A subclass defines machine, observations and reward.
+    """
 
     metadata: Infos = {  # noqa: RUF012  Gymnasium's name
         "render_modes": RENDER_MODES,
@@ -67,11 +70,12 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
         """Begin episodes of all tractors, or of those in the option `reset_mask`.
 
         Args:
-            seed: of the first tractor, the next has the next; or one for each, None to draw on.
+            seed: seed of the first tractor; tractor i gets seed + i. Or a sequence of length
+                num_envs, in which None continues that tractor's generator.
             options: those of the single environment, and `reset_mask`, a boolean array (num_envs,).
 
         Raises:
-            UnknownName, BadInput, OutOfRange: an option, a seed or a mask that cannot be.
+            UnknownName, BadInput, OutOfRange: an invalid option, seed or mask.
         """
         named = dict(options or {})
         mask = self._mask(named.pop("reset_mask", None))
@@ -83,11 +87,12 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
         return self.seen.copy(), infos
 
     def step(self, actions: NDArray[np.float32]) -> Stepped:
-        """Drive all for 20 ms; what has ended begins anew as the autoreset mode says.
+        """Drive all tractors for 20 ms; the autoreset mode resets ended episodes.
 
         Raises:
             BadInput: actions of the wrong shape, or not finite.
-            Diverged: the simulation left the finite numbers; reset to go on.
+            Diverged: a state is not finite, or MuJoCo warned; reset to go on.
+            ResetNeeded: a tractor needs a reset first.
         """
         taken = checked(actions, (self.num_envs,), self.episodes.actions_named)
         again = self.ended.copy()
@@ -111,7 +116,11 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
         return self.seen.copy(), np.where(again, 0.0, rewards), terminations, truncations, infos
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
-        """A picture of each tractor, or None without a render mode."""
+        """An RGB picture of each tractor, uint8, (height, width, 3); None without a render mode.
+
+        Raises:
+            DependencyNotInstalled: there is no OpenGL driver.
+        """
         if self.render_mode is None:
             return None
         fleet = self.episodes.fleet
@@ -120,7 +129,7 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
         return tuple(self.camera.of(fleet, i) for i in range(self.num_envs))
 
     def close_extras(self, **kwargs: object) -> None:
-        """Let go of the renderer."""
+        """Close the renderer."""
         if self.camera is not None:
             self.camera.close()
             self.camera = None

@@ -1,4 +1,4 @@
-"""One tractor as a Gymnasium environment, whatever is asked of it."""
+"""One tractor as a Gymnasium environment: the part that all environments share."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Observation = NDArray[np.float32]
 
 
 class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
-    """Episodes of one tractor; a subclass says which."""
+    """Environment of one tractor; a subclass defines machine, observations and reward."""
 
     metadata = {"render_modes": RENDER_MODES, "render_fps": FPS}  # noqa: RUF012  Gymnasium's name
 
@@ -38,7 +38,7 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         """Begin an episode on a new ground.
 
         Raises:
-            UnknownName, BadInput, OutOfRange: an option that cannot be; see `grounds.OPTIONS`.
+            UnknownName, BadInput, OutOfRange: an invalid option; see `grounds.OPTIONS`.
         """
         recipe = self.episodes.recipe
         chosen = grounds.check_options(options, recipe)
@@ -56,7 +56,8 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
 
         Raises:
             BadInput: an action of the wrong shape, or one that is not finite.
-            Diverged: the simulation left the finite numbers; reset to go on.
+            Diverged: a state is not finite, or MuJoCo warned; reset to go on.
+            ResetNeeded: there was no reset, or the last step failed.
         """
         taken = checked(action, (), self.episodes.actions_named)[None]
         if not self.running:
@@ -73,7 +74,11 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         return observation, float(rewards[0]), bool(stalled[0]), False, info
 
     def render(self) -> NDArray[np.uint8] | None:
-        """The tractor as it stands: a picture (height, width, 3), or None where it is in a window.
+        """Render the tractor in its present state.
+
+        Returns:
+            An RGB picture, uint8, shape (height, width, 3), with `render_mode` "rgb_array"; None
+            with "human", which draws in a window, and without a render mode.
 
         Raises:
             DependencyNotInstalled: there is no OpenGL driver, or no display for a window.
@@ -85,7 +90,7 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         return self.screen.of(self.episodes.fleet, 0)
 
     def close(self) -> None:
-        """Let go of the renderer."""
+        """Close the renderer."""
         if self.screen is not None:
             self.screen.close()
             self.screen = None

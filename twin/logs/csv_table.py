@@ -13,16 +13,21 @@ from twin.logs.signals import Signal
 
 
 class Csv(Reader):
-    """CSV, which any file is taken for that nothing else fits."""
+    """A CSV file; the reader of every file that no other reader fits."""
 
     name = "CSV"
 
     def fits(self, path: Path, head: bytes) -> bool:
-        """Any file."""
+        """Whether it is a file."""
         return not path.is_dir()
 
     def signals(self, path: Path) -> dict[str, Signal]:
-        """Its columns."""
+        """Each column as a signal, by name.
+
+        Raises:
+            BadInput: the file is not UTF-8 or CSV, has no rows or ragged ones, or two columns have
+                one name.
+        """
         return {name: Signal(cells) for name, cells in read_csv(path).items()}
 
 

@@ -19,12 +19,16 @@ class Parquet(Reader):
     name = "Parquet"
 
     def fits(self, path: Path, head: bytes) -> bool:
-        """By its first bytes, or its suffix."""
+        """Whether it is a Parquet file, by its first bytes or its suffix."""
         named = path.suffix.lower() in (".parquet", ".pq")
         return not path.is_dir() and (named or head.startswith(b"PAR1"))
 
     def signals(self, path: Path) -> dict[str, Signal]:
-        """Its columns."""
+        """Each column as a signal, by name.
+
+        Raises:
+            BadInput: the file is damaged or has no rows, or two columns have one name.
+        """
         return {name: Signal(cells) for name, cells in read_parquet(path).items()}
 
 

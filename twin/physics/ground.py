@@ -1,6 +1,6 @@
 """The ground as a function of place: its maps, the furrow, and the soil that varies over it.
 
-Random fields are made by hashing, so a run can be repeated over them.
+Random fields are hashes of place and seed, so the same seed gives the same ground.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ BLEND_M = 0.5
 STRENGTH_LENGTH_M = 3.0
 """Distance between independent values of the soil's strength [m]; assumed."""
 STRENGTH, RIPPLE, ROCKS = 101, 202, 303
-"""What is added to the seed so that the fields are independent of each other."""
+"""Numbers added to the seed, one per random field, so that the fields are independent."""
 
 
 @law
@@ -89,13 +89,16 @@ def on_ground(field: Array, point: Vector) -> tuple[float, float, float]:
 
 @inlined_law
 def field_axis(field: Array, which: int) -> Vector:
-    """A unit vector of the ground's frame, by its place in the block (AHEAD, LEFT, NORMAL)."""
+    """A unit vector of the ground's frame, in world axes.
+
+    `which` is the index of its first component: Field.AHEAD, Field.LEFT or Field.NORMAL.
+    """
     return (field[which], field[which + 1], field[which + 2])
 
 
 @inlined_law
 def beside_pass(field: Array, t_m: float) -> float:
-    """Distance to the left of the pass's line, as seen by who drives it [m]."""
+    """Distance to the left of the pass's line, in the direction of travel [m]."""
     return field[Field.PASS_WAY] * (t_m - field[Field.PASS_T_M])
 
 
@@ -145,7 +148,7 @@ def smooth_step(x: float) -> tuple[float, float]:
 
 @inlined_law
 def node(i: int, count: int, repeats: bool) -> int:
-    """Number of a node beyond the border: its repetition, or the border's own."""
+    """Number of the node at i; beyond the border that of the repeated map, or of the border."""
     if 0 <= i < count:
         return i
     return i % count if repeats else min(max(i, 0), count - 1)
@@ -158,10 +161,10 @@ def on_map(
     """Value of a map at a place and its slopes; 0 without a map.
 
     Args:
-        field: its part of the block.
-        which: the map, by its place there (HEIGHTS, MIXTURE).
+        field: the ground's part of the block.
+        which: index of the map's first number: Field.HEIGHTS or Field.MIXTURE.
         nodes: the model's hfield_data.
-        s_m, t_m: the place.
+        s_m, t_m: the place, ground axes.
 
     Returns:
         f, df/ds, df/dt.

@@ -1,4 +1,4 @@
-"""Trials of the IMA-PKF paper's simulation as streams, and the errors estimators make in them."""
+"""Trials of the IMA-PKF paper's simulation as streams, and the errors of estimators in them."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from twin.io.result_rows import Row
 Array = NDArray[np.float64]
 
 SETTLED_S = 1.0
-"""Errors are told from the start, and from here on beside it."""
+"""`rmse_settled` counts the errors after this time [s]; the others count all."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Errors:
-    """Errors of slip in one trial."""
+    """Errors of slip in one trial [-]."""
 
     mae: float
     rmse: float
     largest: float
     rmse_settled: float
-    """From 1 s on."""
+    """RMSE of the errors after 1 s."""
 
 
 def errors(estimate: Array, truth: Array, time_s: Array) -> Errors:
@@ -43,7 +43,7 @@ def errors(estimate: Array, truth: Array, time_s: Array) -> Errors:
 
 
 def try_all(trial: Trial, estimators: Row) -> dict[str, Errors]:
-    """Errors of each estimator in one trial; who has a seed takes the trial's."""
+    """Errors of each estimator in one trial; an estimator with a seed gets the trial's."""
     signals = simulate(trial)
     told, measured, out = setup(trial), streams(signals), {}
     for name, estimator in estimators.items():
@@ -61,7 +61,11 @@ def study(trials: list[Trial], estimators: Row, jobs: int = 1) -> dict[str, list
 
 
 def mean_and_interval(values: list[float]) -> tuple[float, float, float]:
-    """Mean over seeds and its 95 % interval by Student's t; the mean thrice for a single seed."""
+    """Mean over seeds and the 95 % confidence interval of the mean, by Student's t.
+
+    Returns:
+        mean, low, high; for a single seed all three are the mean.
+    """
     from scipy.stats import t  # late: slow to import
 
     mean, n = float(np.mean(values)), len(values)

@@ -1,4 +1,4 @@
-"""One pass over a field without sensors, and what is measured of it."""
+"""One simulated pass over a field without sensors, and its statistics."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ LOSSES = (
 
 @dataclass(frozen=True, kw_only=True)
 class Pass:
-    """Means over the scored part of a pass; the power balance over all of it.
+    """Statistics over the scored part of a pass, from 5 m after full depth to the end.
 
-    The roll counts positive towards the furrow.
+    `power_closure` covers the whole pass.
     """
 
     speed_kmh: float
@@ -42,22 +42,23 @@ class Pass:
     draft_n: float
     draft_cv: float
     draft_length_m: float
-    """Distance at which the draft's autocorrelation has fallen to 1/e."""
+    """Distance at which the draft's autocorrelation has fallen to 1/e [m]."""
     draft_over_d497: float
-    """Longitudinal implement force over D497's at the run's own speed and depth."""
+    """Mean draft over the mean of ASABE D497's draft at the run's own speed and depth [-]."""
     depth_m: float
     fuel_lpha: float
     """Fuel over the area worked, the plough's width times the length [L/ha]."""
     roll_deg: float
+    """Magnitude of the mean roll."""
     roll_expected_deg: float
-    """atan(depth / track) and what the difference of the rear tyres' deflections adds."""
+    """atan((depth + difference of the rear tyres' deflections) / track)."""
     power_closure: float
-    """(Engine - all losses - stored energy) / engine."""
+    """(Engine work - all losses - change of stored energy) / engine work [-]."""
     length_m: float
 
 
 def drive(scenario: Scenario) -> Pass:
-    """Drive a ploughing scenario, sensors off, and measure it."""
+    """Drive a ploughing scenario without sensors, and measure it. Raises BadInput, Diverged."""
     machine = build(replace(scenario, sensors=NO_SENSORS))
     parts = [truth.sample(chunk, ("rl", "rr")) for chunk in simulate(machine)]
     plough = machine.scenario.plough
@@ -67,7 +68,7 @@ def drive(scenario: Scenario) -> Pass:
 
 
 def measure(machine: Machine, table: Table) -> Pass:
-    """Measure a pass from its truth. Raises BadInput if it did not plough."""
+    """Measure a pass from its truth. Raises BadInput if no ploughing is left to score."""
     plough = machine.scenario.plough
     if plough is None or not table["ploughing"].any():
         raise BadInput(f"{machine.scenario.name}, seed {machine.scenario.seed}: it did not plough")
@@ -107,12 +108,17 @@ def fuel_lpha(machine: Machine, table: Table) -> float:
 
 
 def width_m(machine: Machine) -> float:
-    """Width of the whole plough."""
+    """Width of the whole plough [m]."""
     return machine.numbers["plough.bodies"] * machine.numbers["plough.body_width_m"]
 
 
 def d497_n(machine: Machine, speed_mps: Array, depth_m: Array) -> Array:
-    """Draft of the whole plough by ASABE D497: F (A + C S**2) W T."""
+    """Draft of the whole plough by ASABE D497 [N], shape (n,).
+
+        F (A + C S**2) W T
+
+    F is the soil's draft scale, S the speed [km/h], W the width [m] and T the depth [cm].
+    """
     numbers = machine.numbers
     specific = numbers["plough.draft_a"] + numbers["plough.draft_c"] * (3.6 * speed_mps) ** 2
     scale = machine.scenario.soil.resolved.draft_scale
@@ -120,7 +126,7 @@ def d497_n(machine: Machine, speed_mps: Array, depth_m: Array) -> Array:
 
 
 def correlation_length_m(signal: Array, speed_mps: float) -> float:
-    """Distance at which a signal's autocorrelation first falls below 1/e."""
+    """Distance at which a signal's autocorrelation first falls below 1/e [m]."""
     centred = signal - signal.mean()
     spectrum = np.abs(np.fft.rfft(centred, 2 * len(centred))) ** 2
     correlation = np.fft.irfft(spectrum)[: len(centred)]
@@ -129,12 +135,12 @@ def correlation_length_m(signal: Array, speed_mps: float) -> float:
 
 
 def roll_rad(table: Table) -> Array:
-    """Roll of the body about its x axis; positive lowers the right side."""
+    """Roll of the body about its x axis [rad], shape (n,); positive lowers the right side."""
     return quaternion.roll_rad(*(table[name] for name in ("qw", "qx", "qy", "qz")))
 
 
 def power_closure(table: Table) -> float:
-    """Share of the engine's work that no loss and no store accounts for."""
+    """(Engine work - losses - change of stored energy) / engine work [-], over the whole table."""
     dt_s = truth.PERIOD_NS * 1e-9
     engine = float(np.sum(table["power_engine_w"])) * dt_s
     lost = sum(float(np.sum(table[f"power_{name}_w"])) for name in LOSSES) * dt_s

@@ -90,7 +90,7 @@ def _side(axes: Axes, curve: WheelCurve) -> None:
 
 
 def drawbar(curve: DrawbarCurve, slips: Array, expected_n: Array, title: str) -> Figure:
-    """Pull, axle loads and drawbar power against slip."""
+    """Pull [kN], axle loads [kN] and drawbar power [kW] against slip of the rear axle [%]."""
     figure = Figure(figsize=(9.6, 3.4), layout="constrained")
     left, right = figure.subplots(1, 2)
     figure.suptitle(title, x=0.01, ha="left")
@@ -113,7 +113,10 @@ def drawbar(curve: DrawbarCurve, slips: Array, expected_n: Array, title: str) ->
 
 
 def gears(found: Gears, title: str) -> Figure:
-    """Drawbar power, pull, slip and fuel of each gear against the speed reached."""
+    """Each gear's operating point of greatest drawbar power, against speed [km/h].
+
+    Left: crank and drawbar power [kW]. Right: pull [kN], slip [%] and fuel [L/h].
+    """
     figure = Figure(figsize=(9.6, 3.4), layout="constrained")
     left, right = figure.subplots(1, 2)
     figure.suptitle(title, x=0.01, ha="left")
@@ -137,7 +140,7 @@ def gears(found: Gears, title: str) -> Figure:
 
 
 def slope(seen: CrabAngles, expected: CrabAngles, title: str) -> Figure:
-    """Crab angle, steering and slip against cross slope."""
+    """Crab angle [deg], steering angle [deg] and slip [%] against cross slope [deg]."""
     figure = Figure(figsize=(9.6, 3.4), layout="constrained")
     left, right = figure.subplots(1, 2)
     figure.suptitle(title, x=0.01, ha="left")

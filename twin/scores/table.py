@@ -25,8 +25,7 @@ _DEG = 57.29577951308232
 def score_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
     """One row of text per estimator, in the order of HEADERS; a dash where nothing is known.
 
-    Below them the bounds: no estimator that knows the motion no better than its statistics has a
-    smaller RMSE.
+    Below them stand the causal and the offline bound (`estimators.bounds`).
     """
     rows = [_row(name, entry) for name, entry in scores.get("estimators", {}).items() if entry]
     bound = scores.get("bound") or {}
@@ -39,7 +38,7 @@ def score_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
 
 
 def end_lines(scores: Mapping[str, Plain]) -> list[str]:
-    """End of a run that was not driven as planned, its outcome in capitals; else nothing."""
+    """Text lines on how a run ended, its outcome in capitals; empty if it ended as planned."""
     end, lines = scores.get("end"), []
     if end is not None and not end["as_planned"]:
         outcome, ended = end["outcome"], str(scores["ended"])
@@ -50,7 +49,10 @@ def end_lines(scores: Mapping[str, Plain]) -> list[str]:
 
 
 def slip_lines(scores: Mapping[str, Plain]) -> list[str]:
-    """Slip of a recorded drive, one sentence each; nothing for a simulated run."""
+    """Text lines on the slip of a recorded drive; empty for a simulation.
+
+    One line per estimator, and more if the log has a rule for steady work.
+    """
     lines = [f"{n}: {_spread(s)}, while driving" for n, s in scores.get("slip", {}).items()]
     for name, slip in scores.get("steady_slip", {}).items():
         lines.append(f"{name}: {_spread(slip)}, in steady work")

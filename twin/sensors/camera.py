@@ -21,14 +21,14 @@ from twin.sensors.noise import generator
 from twin.sensors.sampling import Reader, arrivals, read, reader
 from twin.streams import CameraSetup, Streams, Table
 
-if TYPE_CHECKING:  # what draws is heavy, and only there where a camera is fitted
+if TYPE_CHECKING:  # the renderer is heavy, and only there where a camera is fitted
     from twin.camera.frames import DrawnFrames, Film
     from twin.camera.renderer import Renderer
     from twin.trajectory.trajectory import Trajectory
 
 NORMAL = "ground_normal_w"
 POSE = ("position_w", "world_from_body", "velocity_w", "gyro_b")
-"""What a frame is drawn from, beside the ground's normal; part of no stream."""
+"""What a frame is rendered from, beside the ground's normal; part of no stream."""
 SHOWN, HALVED = "shown", "halved"
 """Number of the frame whose picture comes, DARK for none, and 1 at half the resolution; hidden too.
 What goes wrong with a camera changes them (`twin.sensors.faults`)."""
@@ -73,9 +73,9 @@ class Camera:
     loss_chance: Annotated[float, Range(0, 1)] = 0.0
     """Share of the frames that are lost on the way; their number is then missing."""
     mount_yaw_sd_rad: Annotated[float, Range(0, 0.2)] = radians(1.0)
-    """sd of the true mounting's yaw, drawn once, rad."""
+    """sd of the true mounting's random yaw, constant over a run, rad."""
     mount_tilt_sd_rad: Annotated[float, Range(0, 0.1)] = radians(0.3)
-    """sd of its roll and of its pitch, drawn once, rad."""
+    """sd of its random roll and pitch, constant over a run, rad."""
     odometry: str = "phase-ecc"
     """What turns frames into velocities on board: phase-ecc, orb-similarity, orb-printed; with none
     the estimators are given the frames themselves."""
@@ -104,7 +104,7 @@ class Camera:
 
 @dataclass(frozen=True, kw_only=True)
 class CameraState:
-    """Where the camera stands, and what draws its frames."""
+    """State of the camera between chunks."""
 
     seed: int
     film: Film
@@ -117,7 +117,7 @@ class CameraState:
 
 
 def init(config: Camera, seed: int, start_ns: int) -> CameraState:
-    """The camera at the start of a run; one film, so one window of ground, serves all of it."""
+    """The camera at the start of a run. One film renders all its frames."""
     return CameraState(
         seed=seed,
         film=film(config, seed),
@@ -132,8 +132,8 @@ def init(config: Camera, seed: int, start_ns: int) -> CameraState:
 def sample(config: Camera, state: CameraState, chunk: Trajectory) -> tuple[CameraState, Table]:
     """The frames of the chunk: stamps and numbers, and beside them the true poses (`POSE`).
 
-    The epoch is the middle of the exposure. `drawn` makes frames of the poses, `stream_table`
-    leaves what an estimator may see.
+    The epoch is the middle of the exposure. `drawn` renders images from the poses, `stream_table`
+    keeps the columns that an estimator may see.
     """
     names = (*POSE, NORMAL) if NORMAL in chunk.columns else POSE
     position, epoch_ns, at = read(state.reader, chunk, names)
@@ -155,7 +155,7 @@ def stream_table(table: Table) -> Table:
 
 
 def film(config: Camera, seed: int, drawn_by: Renderer | None = None) -> Film:
-    """What draws this camera's frames over the ground of a seed; one serves a whole run."""
+    """Renderer and noise model of this camera's frames over the ground of a seed, for one run."""
     from twin.camera.frames import Film
     from twin.camera.image import Sensitivity
 
@@ -171,13 +171,13 @@ def film(config: Camera, seed: int, drawn_by: Renderer | None = None) -> Film:
 
 
 def drawn(config: Camera, seed: int, film: Film, table: Table) -> DrawnFrames:
-    """The frames of a table of `sample`, drawn when they are asked for.
+    """Images of the frames of a table that `sample` returned; each is rendered on access.
 
     Args:
         config: the camera.
-        seed: of the run, which draws the mounting.
-        film: what draws them.
-        table: with the true poses.
+        seed: the run's seed; it sets the random mounting error.
+        film: renderer and noise model.
+        table: frames with their true poses.
     """
     from twin.camera.frames import DrawnFrames, Shot
 
@@ -196,7 +196,10 @@ def drawn(config: Camera, seed: int, film: Film, table: Table) -> DrawnFrames:
 
 
 def body_from_camera(config: Camera, seed: int) -> Array:
-    """The true mounting of a seed: nominal, then turned by roll, pitch and yaw. Shape (3, 3)."""
+    """Rotation matrix of the true mounting, shape (3, 3).
+
+    It is the nominal one turned by a random roll, pitch and yaw, which the seed sets.
+    """
     roll, pitch, yaw = generator(seed, "camera", "mounting").standard_normal(3)
     tilt = config.mount_tilt_sd_rad
     turned = rotation(np.array([tilt * roll, tilt * pitch, config.mount_yaw_sd_rad * yaw]))
@@ -228,12 +231,12 @@ def _view(config: Camera, mounted: Array, at: Table) -> View:
 
 
 def frames(config: Camera, state: CameraState, table: Table) -> DrawnFrames:
-    """The frames of a table of `sample`, on the state's own film."""
+    """Images of the frames of a table that `sample` returned, by the state's own film."""
     return drawn(config, state.seed, state.film, table)
 
 
 def stream(config: Camera, seed: int, trajectory: Trajectory) -> Streams:
-    """The camera's stream of a whole trajectory, its frames drawn when they are asked for."""
+    """The camera's stream of a whole trajectory; each image is rendered on access."""
     state, table = sample(config, init(config, seed, int(trajectory.epoch_ns[0])), trajectory)
     return Streams({"camera": stream_table(table)}, frames(config, state, table))
 

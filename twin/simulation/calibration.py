@@ -1,7 +1,9 @@
-"""The drive before a run from which an estimator may learn its offsets: level, out and back.
+"""The calibration drive before a run, from which an estimator may learn its offsets.
 
-The legs and the run are one recording, paused while the machine is turned round and carried over:
-in a pause the clocks of the sensors go on, and what they see is left out.
+It has two legs on level ground, out and back. A leg here is one drive of the calibration; that of
+`twin.scenario.route` is a part of a course. The legs and the run are one recording, paused while
+the machine is turned round and moved. In a pause the clocks of the sensors go on, and their samples
+are left out.
 """
 
 from __future__ import annotations
@@ -47,9 +49,9 @@ class Leg:
     scenario: Scenario
     start_ns: int
     wheel_angle_rad: NDArray[np.float64] | None
-    """Where the wheels stand at its start, beside where the leg has them, shape (4,)."""
+    """Offset added to the leg's wheel angles, so that they go on from the last leg's, (4,)."""
     pause: Trajectory
-    """What the sensors see between it and the next, in the recording's time."""
+    """Trajectory of the pause after it, in the recording's time."""
 
 
 @dataclass(frozen=True)
@@ -60,18 +62,18 @@ class Recording:
     start_ns: int = 0
     """Epoch of the run's first row."""
     wheel_angle_rad: NDArray[np.float64] | None = None
-    """Where the wheels stand then, beside where the run has them, shape (4,)."""
+    """Offset added to the run's wheel angles, so that they go on from the last leg's, (4,)."""
 
     @property
     def pauses_ns(self) -> tuple[tuple[int, int], ...]:
-        """First epoch in each pause, and first after it."""
+        """First epoch in each pause, and first epoch after it."""
         ends = [leg.start_ns for leg in self.legs[1:]] + [self.start_ns]
         return tuple(
             (int(leg.pause.epoch_ns[0]), end) for leg, end in zip(self.legs, ends, strict=False)
         )
 
     def chunks(self) -> Iterator[Trajectory]:
-        """The calibration's trajectory, contiguous, pauses included; driven anew, not kept."""
+        """The calibration's trajectory, contiguous, with its pauses; each call drives it again."""
         for leg in self.legs:
             for chunk in simulate(build(leg.scenario)):
                 yield _shifted(chunk, leg.start_ns, leg.wheel_angle_rad)
@@ -82,7 +84,7 @@ class Recording:
         return _shifted(chunk, self.start_ns, self.wheel_angle_rad)
 
     def recorded(self, streams: Streams) -> Streams:
-        """The samples that describe no instant of a pause."""
+        """The streams without the samples whose epoch lies in a pause."""
         if not self.legs:
             return streams
         tables = {}
@@ -98,8 +100,11 @@ class Recording:
 def record(machine: Machine, first: Trajectory) -> Recording:
     """The calibration of a machine's scenario, before the run whose first chunk is given.
 
-    Each leg is driven once here, to know when it ends and how; that it is driven again when its
-    trajectory is asked for keeps a long one out of the memory.
+    Each leg is driven once here, to find when and how it ends. `Recording.chunks` drives it again,
+    so that no long trajectory is held in memory.
+
+    Raises:
+        Diverged: a state is not finite, or MuJoCo warned.
     """
     driven = [(leg, *_ends(simulate(build(leg)))) for leg in legs(machine.scenario)]
     found = Recording()
@@ -165,7 +170,15 @@ def _shifted(
 
 
 def run_chunks(machine: Machine) -> tuple[Recording, Iterator[Trajectory]]:
-    """The calibration before a run, and the run's own chunks at their place in the recording."""
+    """Drive the calibration before a run.
+
+    Returns:
+        The calibration, and an iterator over the run's chunks, shifted in time to start after it.
+        A scenario without a calibration gives an empty Recording and unshifted chunks.
+
+    Raises:
+        Diverged: a state is not finite, or MuJoCo warned.
+    """
     chunks = simulate(machine)
     if not legs(machine.scenario):
         return Recording(), chunks

@@ -1,4 +1,4 @@
-"""Drive a machine along its course, and hand out its trajectory in chunks."""
+"""Drive a machine along its course; its trajectory in chunks."""
 
 from __future__ import annotations
 
@@ -34,7 +34,11 @@ class CourseRun:
         self.monitor, self.leg = EndMonitor(machine, DECISION_S), self.passes.legs[0]
 
     def observe(self) -> Observation:
-        """What the driver sees now, measured along the leg that is driven."""
+        """Update the driver's observation, relative to the current leg, and return it.
+
+        A leg is a pass or a part of a headland turn (`twin.scenario.route.Leg`). If the current leg
+        has ended, the next one starts.
+        """
         place = Observation(*self.simulation.observe()[0].item())
         along, left, turned = self.passes.where(place.along_m, place.left_m, place.heading_rad)
         seen = place._replace(
@@ -48,13 +52,13 @@ class CourseRun:
         return seen
 
     def act(self) -> Record:
-        """Decide, then run to the next decision; see `Simulation.run`."""
+        """Decide, then run to the next decision, 20 ms. Raises Diverged."""
         self.observe()
         self.simulation.decide()
         return self.simulation.run()
 
     def end(self) -> End | None:
-        """The end of the drive where it has come after a decision; else None, and it goes on."""
+        """The end of the drive if it has ended, else None; call it once after each decision."""
         self.decisions += 1
         seen, way = self.observe(), self._way()
         self.deepest_m = max(self.deepest_m, seen.depth_m)
