@@ -26,40 +26,45 @@ defines slip, sideslip and the frames.
 
 | frame | axes |
 |---|---|
-| world | east, north, up from the start of the course |
+| world | east, north, up from the start of the course, the planned line |
 | body | forward, left, up from the rear-axle centre |
 | ground | the plane of the ground: x is the body's x axis projected on it, y is to the left |
-| - | the number has no direction |
+| - | a number without a direction |
 
-Angles are counter-clockwise. Numbers are `float64` unless the table says another type. A value that
-is not known is NaN.
+Angles about an upward axis are positive counter-clockwise, to the left. Numbers are `float64`, and
+`true/false` is `bool`, unless the table names another type. An unknown value is NaN.
 """
 
 SENSORS = {
     "gnss": "RTK receiver with two antennas.",
     "imu": "Three gyroscopes and three accelerometers.",
     "wheels": "Encoders, or speeds from the machine's bus. A single wheel-based vehicle speed "
-    "stands in the columns of both driven wheels.",
+    "fills the columns of both driven wheels.",
     "depth": "Laser and inclinometer on the plough. Depth is `zero_m - laser_m "
     "cos(inclination_rad)`, with `zero_m` from the set-up.",
     "machine": "The tractor's own bus, and transducers that are read through it.",
-    "camera": "A camera that looks down, with odometry on board. NaN where a frame was not `used`.",
+    "camera": "A camera that looks down, with odometry on board. Velocities are NaN where "
+    "`used` is false.",
 }
 
 FLAGS = (
     (
         layout,
         "OUT_OF_ORDER",
-        "a sample was no newer than the last one of its sensor and was left out",
+        "a sample was not newer than the last one of its sensor, or over 5 s old, and was left out",
     ),
     (layout, "NO_GROUND_SPEED", "the ground speed is unknown or older than 5 s"),
     (layout, "RESTARTED", "the filter started again after a gap of more than 5 s"),
-    (slip_ekf, "GATED", "a speed was outside its gate and was refused"),
-    (slip_ekf, "RAISED", "the plough is out of the ground, so the axle is taken to slip hardly"),
-    (slip_ekf, "NO_FRONT", "no towed wheel was counted for a second"),
-    (slip_ekf, "NO_IMU", "no acceleration came for a second"),
-    (slip_ekf, "ONE_WHEEL", "the driven wheels disagree; one of them stands for the axle"),
-    (layout, "REPEATED", "the GNSS receiver gave its last velocity and heading again, to the bit"),
+    (slip_ekf, "GATED", "a speed was outside its gate and was rejected"),
+    (slip_ekf, "RAISED", "the plough is out of the ground, and the filter assumes almost no slip"),
+    (slip_ekf, "NO_FRONT", "no count of a towed wheel for a second"),
+    (slip_ekf, "NO_IMU", "no acceleration for a second"),
+    (
+        slip_ekf,
+        "ONE_WHEEL",
+        "the driven wheels differ by more than turning explains; the filter uses one of them",
+    ),
+    (layout, "REPEATED", "the GNSS receiver repeated its last velocity and heading exactly"),
 )
 
 
@@ -81,12 +86,12 @@ def page() -> str:
         parts += [f"\n### {sensor}\n", f"{SENSORS[sensor]}\n", table(columns)]
     parts += [
         "\n## Truth\n",
-        "`truth.parquet` holds a row each 20 ms. Powers are counted positive when they leave the "
-        "machine, except that of the engine.\n",
+        "`truth.parquet` has a row every 20 ms. A power is positive when it leaves the machine, "
+        "that of the engine when it enters.\n",
         table(TRUTH),
         "\n## Estimates\n",
-        "An estimator gives `epoch_ns` and whichever of the others it knows. `estimates.parquet` "
-        "has a column `estimator` before them.\n",
+        "An estimator gives `epoch_ns` and the other columns that it knows. The first column of "
+        "`estimates.parquet` is the estimator's name, `estimator`.\n",
         table(ESTIMATES),
         "\n### Flags\n",
         "`flags` is a sum of these numbers:\n",

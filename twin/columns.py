@@ -5,7 +5,7 @@ test compares all of them with these tables. `docs/columns.md` is written from h
 
 Frames: `world` is east, north, up; `body` is forward, left, up from the rear-axle centre; `ground`
 is the plane of the ground under the wheels, its x axis the body's projected on it, y to the left.
-`-` is a number that has no direction.
+`-` marks a number without a direction.
 """
 
 from __future__ import annotations
@@ -56,9 +56,12 @@ STREAMS: dict[str, Columns] = {
         "heading_rad": Column(
             "rad", "world", "heading of the antenna baseline, counter-clockwise from east"
         ),
-        "quality": Column("code", "-", "NMEA GGA: 4 fixed, 5 float, 1 single, 0 no solution"),
-        "satellites_main": Column("count", "-", "satellites that the main antenna uses"),
-        "satellites_aux": Column("count", "-", "satellites that the second antenna uses"),
+        "quality": Column(
+            "code", "-",
+            "NMEA GGA: 4 fixed, 5 float, 1 single, 0 no solution; int64"
+        ),
+        "satellites_main": Column("count", "-", "satellites that the main antenna uses, int64"),
+        "satellites_aux": Column("count", "-", "satellites that the second antenna uses, int64"),
         "position_sd_m": Column(
             "m", "world", "standard deviation of the position that the receiver reports, each "
             "horizontal axis"
@@ -72,29 +75,49 @@ STREAMS: dict[str, Columns] = {
         ),
     },
     "imu": {
-        "gyro_x_radps": Column("rad/s", "body", "angular rate about the forward axis (roll)"),
-        "gyro_y_radps": Column("rad/s", "body", "angular rate about the left axis (pitch)"),
-        "gyro_z_radps": Column("rad/s", "body", "angular rate about the upward axis (yaw)"),
-        "accel_x_mps2": Column(
-            "m/s2", "body", "specific force forward; it holds gravity unless `imu.gravity` is false"
+        "gyro_x_radps": Column(
+            "rad/s", "body",
+            "angular rate about the forward axis; positive lowers the right side"
         ),
-        "accel_y_mps2": Column("m/s2", "body", "specific force to the left"),
-        "accel_z_mps2": Column("m/s2", "body", "specific force upwards; 9.81 at rest on the level"),
+        "gyro_y_radps": Column(
+            "rad/s", "body",
+            "angular rate about the left axis; positive lowers the front"
+        ),
+        "gyro_z_radps": Column(
+            "rad/s", "body",
+            "angular rate about the upward axis; positive turns to the left"
+        ),
+        "accel_x_mps2": Column(
+            "m/s2", "body",
+            "specific force forward; includes gravity unless the set-up's `imu.gravity` is false"
+        ),
+        "accel_y_mps2": Column("m/s2", "body", "specific force to the left; gravity as for x"),
+        "accel_z_mps2": Column(
+            "m/s2", "body",
+            "specific force upwards; gravity as for x: then 9.81 at rest on level ground"
+        ),
     },
     "wheels": {
-        **_each_wheel("ticks_{}", "count", "-", "encoder counts of the {} wheel since the start"),
+        **_each_wheel(
+            "ticks_{}", "count", "-",
+            "encoder counts of the {} wheel since the start, int64"
+        ),
         **_each_wheel(
             "speed_{}_mps", "m/s", "-",
-            "rolling speed w R of the {} wheel, from a source that gives no ticks",
+            "rolling speed w R of the {} wheel with its nominal radius, where a source gives no "
+            "ticks",
         ),
-        "speed_sd_mps": Column("m/s", "-", "standard deviation of these rolling speeds"),
+        "speed_sd_mps": Column("m/s", "-", "standard deviation of each of these rolling speeds"),
         **_each_wheel(
             "accel_{}_mps2", "m/s2", "-",
             "rate of change of the rolling speed of the {} wheel, where a source has it",
         ),
     },
     "depth": {
-        "laser_m": Column("m", "-", "range from the laser on the plough frame to the ground"),
+        "laser_m": Column(
+            "m", "-",
+            "distance from the laser on the plough frame to the ground, along the beam"
+        ),
         "inclination_rad": Column(
             "rad", "world", "pitch of the plough frame from the horizontal, front up positive"
         ),
@@ -103,11 +126,17 @@ STREAMS: dict[str, Columns] = {
         "steer_rad": Column(
             "rad", "body", "mean steering angle of the front wheels, to the left positive"
         ),
-        "hitch_m": Column("m", "body", "height of the lower hitch points above the links' pivots"),
+        "hitch_m": Column(
+            "m", "body",
+            "height of the lower hitch points above the pivots of the lower links"
+        ),
         "draft_pin_n": Column("N", "body", "draft at the pins of the lower links"),
         "axle_torque_nm": Column("N m", "-", "torque of the driven axle, both wheels together"),
         "engine_radps": Column("rad/s", "-", "speed of the engine's crankshaft"),
-        "engine_load": Column("-", "-", "engine torque over the reference torque"),
+        "engine_load": Column(
+            "-", "-",
+            "engine torque over `sensors.machine.reference_torque_nm`; 0 to 1.25 in a simulation"
+        ),
         "fuel_lph": Column("L/h", "-", "fuel rate"),
     },
     "camera": {
@@ -118,17 +147,23 @@ STREAMS: dict[str, Columns] = {
         "var_x_m2ps2": Column("m2/s2", "ground", "variance of `v_x_mps`"),
         "var_y_m2ps2": Column("m2/s2", "ground", "variance of `v_y_mps`"),
         "cov_xy_m2ps2": Column("m2/s2", "ground", "covariance of `v_x_mps` and `v_y_mps`"),
-        "yaw_rad": Column("rad", "ground", "angle by which the picture turned in the interval"),
-        "scale": Column("-", "-", "factor by which the height above the ground grew"),
+        "yaw_rad": Column(
+            "rad", "ground",
+            "yaw of the camera over the interval, positive to the left"
+        ),
+        "scale": Column(
+            "-", "-",
+            "height above the ground at this frame over that at the one before"
+        ),
         "quality": Column("-", "-", "how well the two pictures match, 0 to 1"),
         "used": Column("true/false", "-", "whether the frame gave a velocity"),
-        "reason": Column("code", "-", "why it gave none: `estimators.odometry.lens.Reason`"),
+        "reason": Column("code", "-", "why it gave none: `estimators.odometry.lens.Reason`, int8"),
     },
 }  # fmt: skip
 """Streams: sensor -> its columns beside the stamps. A sensor, or a column of it, may be absent."""
 
 _POWERS = {
-    "engine": "power that the crankshaft gives, the source of all others",
+    "engine": "power of the crankshaft",
     "parasitic": "power taken by the engine's auxiliaries",
     "transmission": "power lost in the gearbox",
     "driveline": "power lost or stored in clutch, differential lock and front drive",
@@ -138,22 +173,25 @@ _POWERS = {
     "rolling": "power lost to motion resistance",
     "tyre": "power lost or stored in the tyres' springs and dampers",
     "wall": "power lost or stored at the furrow wall",
-    "drawbar": "power that the soil takes at the shares and the depth wheel's drag",
+    "drawbar": "power lost to the soil at the shares and to the depth wheel's drag",
     "depth_wheel": "power lost or stored in the depth wheel's spring and damper",
     "joint": "power lost in the damping of joints",
     "lift": "power that the lift takes from the linkage",
     "steer": "power that the steering takes from the front wheels",
     "contact": "power lost at MuJoCo's own contacts and joint limits",
-    "step": "what the finite time step leaves over, of the first order in the step",
+    "step": "remainder due to the finite time step, of first order in the step",
 }
 
 _JOINTS = {
-    **{f"{short}_spin": f"rotation of the {long} wheel" for short, long in WHEEL_NAMES.items()},
-    "fl_steer": "steering angle of the front left wheel",
-    "fr_steer": "steering angle of the front right wheel",
-    "front_swing": "swing of the front axle",
-    "lift": "angle of the lower links",
-    "plough_pitch": "pitch of the plough against the links",
+    **{
+        f"{short}_spin": f"rotation of the {long} wheel, forward positive"
+        for short, long in WHEEL_NAMES.items()
+    },
+    "fl_steer": "steering angle of the front left wheel, to the left positive",
+    "fr_steer": "steering angle of the front right wheel, to the left positive",
+    "front_swing": "swing of the front axle about the forward axis, right side down positive",
+    "lift": "angle of the lower links, hitch points up positive",
+    "plough_pitch": "pitch of the plough relative to the links, front down positive",
 }
 
 TRUTH: Columns = {
@@ -188,14 +226,23 @@ TRUTH: Columns = {
     **_each_wheel("slip_{}", "-", "ground", "slip of the {} wheel"),
     **_each_wheel("load_{}_n", "N", "ground", "load on the {} wheel, normal to the ground"),
     **_each_wheel(
-        "shear_{}_n", "N", "ground", "shear force on the {} wheel along its rolling direction"
+        "shear_{}_n", "N", "ground",
+        "shear force on the {} wheel along its rolling direction, forward positive"
     ),
-    "draft_n": Column("N", "ground", "draft: soil force on the plough against the motion"),
-    "depth_m": Column("m", "ground", "working depth of the plough; 0 or less out of the ground"),
+    "draft_n": Column(
+        "N", "ground",
+        "draft: soil force on the plough against the direction of travel"
+    ),
+    "depth_m": Column(
+        "m", "ground",
+        "working depth of the plough; 0 or negative out of the ground"
+    ),
     "depth_wheel_n": Column("N", "ground", "load on the plough's depth wheel"),
     "plough_side_n": Column("N", "ground", "soil force on the plough, to the left"),
     "ploughing": Column(
-        "true/false", "-", "from full depth on, until the plough is out of the ground"
+        "true/false", "-",
+        "from full depth until the plough is out of the ground; full depth is 95 % of the set "
+        "depth, 50 % with `plough.hitch` draft or mix",
     ),
     "engine_radps": Column("rad/s", "-", "speed of the engine's crankshaft"),
     "engine_torque_nm": Column("N m", "-", "torque of the crankshaft"),
@@ -207,9 +254,9 @@ TRUTH: Columns = {
         for name, text in _POWERS.items()
     },
     "kinetic_j": Column("J", "world", "kinetic energy"),
-    "potential_j": Column("J", "world", "potential energy: weight and springs of the model"),
+    "potential_j": Column("J", "world", "potential energy of gravity and of the model's springs"),
 }  # fmt: skip
-"""The truth of a simulated run. A scenario without a machine has a part of these columns."""
+"""The truth of a simulated run. A scenario without a machine has some of these columns."""
 
 ESTIMATES: Columns = {
     "epoch_ns": Column("ns", "-", "instant that the estimate describes, int64"),
@@ -226,7 +273,9 @@ ESTIMATES: Columns = {
     "sideslip_sd_m": Column("m", "ground", "standard deviation of `sideslip_m`"),
     "sideslip_rear_rad": Column("rad", "ground", "sideslip angle at the rear-axle centre"),
     "sideslip_rear_m": Column("m", "ground", "sideslip amount at the rear-axle centre"),
-    "flags": Column("code", "-", "sum of the flags that were raised since the last estimate"),
+    "flags": Column(
+        "code", "-", "sum of the flags raised since the last estimate, int64; see below"
+    ),
 }
-"""What an estimator may give. It gives `epoch_ns` and the columns it knows, NaN where it does not
-know."""
+"""The columns of an estimate. An estimator gives `epoch_ns` and the columns it knows; an unknown
+value is NaN."""
