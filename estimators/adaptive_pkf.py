@@ -1,4 +1,4 @@
-"""The paper's parallel Kalman filter. A swarm searches for its Q and R while it runs.
+"""The IMA-PKF paper's parallel Kalman filter, whose Q and R a swarm tunes online.
 
 Two observers of all six states, each with Q and R of its own: one measures the ground speed by the
 front wheels, one by GNSS; the body's acceleration, the driven wheels' speed and its acceleration
@@ -96,9 +96,13 @@ MEMORY = np.dtype(
 class AdaptivePkf:
     """A parallel Kalman filter with Q and R of each observer sought every few steps.
 
-    At step k, before the update: e = Z - H A x, C the mean of e e^T so far (or of a window), and
-    (Q, R) the best found in the box for || H (A P A^T + Q) H^T + R - C ||_2; they serve from this
-    step on. Each search begins anew.
+    At step k, before the update, e = Z - H A x is the innovation and C the mean of e e^T so far, or
+    over a window. The search takes the (Q, R) of the box with the least
+
+        || H (A P A^T + n Q) H^T + R - C ||_2
+
+    that it finds, n the number of 0.02 s steps since the last update. The filter uses them from
+    this step on. The next search does not start from them.
 
     Source: IMA-PKF paper (INMATEH 77-13), eq. (3)-(20). It prints neither box, nor budget, nor P at
     the start, nor how often it adapts.
@@ -125,11 +129,11 @@ class AdaptivePkf:
     every: int = 5
     """Steps from one search to the next."""
     window: int = 0
-    """Steps that C is a mean of, at most 256; 0 for all so far, as printed."""
+    """Number of steps over which C is averaged, at most 256; 0 for all so far, as printed."""
     budget: int = BUDGET
     """Evaluations of each search."""
     seed: int = 0
-    """Of the search's random numbers."""
+    """Seed of the search's random numbers."""
 
     def init(self, setup: Setup) -> State:
         """The state before the first sample."""

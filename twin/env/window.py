@@ -22,7 +22,7 @@ REFUSED = (
 
 
 class Window:
-    """A window that follows the tractor, in the tractor's own time."""
+    """A window that follows the tractor, no faster than real time."""
 
     def __init__(self, look: Look, fleet: Fleet) -> None:
         """Raises DependencyNotInstalled without a display."""
