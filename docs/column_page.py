@@ -1,4 +1,4 @@
-"""Write `columns.md` from `twin.columns` and the flags of the estimators.
+"""Write `columns.md` from `twin.io.columns` and the flags of the estimators.
 
     python docs/column_page.py
 
@@ -15,11 +15,11 @@ sys.path.insert(0, str(PAGE.parents[1]))
 
 from estimators import layout  # noqa: E402
 from estimators.slip_ekf import layout as slip_ekf  # noqa: E402
-from twin.columns import ESTIMATES, STAMPS, STREAMS, TRUTH, Columns  # noqa: E402
+from twin.io.columns import ESTIMATES, STAMPS, STREAMS, TRUTH, Columns  # noqa: E402
 
 HEAD = """# Columns
 
-<!-- Written by `python docs/column_page.py` from `twin/columns.py`; edit that. -->
+<!-- Written by `python docs/column_page.py` from `twin/io/columns.py`; edit that. -->
 
 Every column of streams, truth and estimates. A name ends in its unit. [Concepts](concepts.md)
 defines slip, sideslip and the frames.

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from twin import columns, streams
+from twin import streams
+from twin.io import columns
 from twin.simulation.columns import POWER_COLUMNS
 from twin.truth import truth
 
