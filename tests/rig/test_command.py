@@ -31,7 +31,7 @@ def test_the_wheel_rig_writes_every_load_angle_and_slip(tmp_path, capsys):
     assert float(row["axle_torque_nm"]) == pytest.approx(seen.axle_torque_nm[0], rel=1e-6)
     assert {r["load_n"] for r in rows(out / "wheel-free.csv")} == {"15000", "20000"}
     assert (out / "wheel.png").read_bytes().startswith(b"\x89PNG")
-    assert "net_traction_ratio" in capsys.readouterr().out
+    assert "net traction ratio" in capsys.readouterr().out
 
 
 def test_a_rigid_wheel_on_sand_by_one_command(tmp_path, capsys):

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from twin.validate import page, suite
-from twin.validate.check import Basis, Check, near, within
+from twin.validate.check import Basis, near, within
 
 PAGE = Path(__file__).parents[2] / "VALIDATION.md"
 WORDS = {"source": "a law", "why": "because", "grade": "derived"}
@@ -28,7 +28,7 @@ def test_a_figure_passes_within_its_tolerance_and_not_beyond():
 
 def test_an_unknown_grade_is_refused():
     with pytest.raises(ValueError, match="grade = guessed"):
-        Check(row={}, source="", why="", grade="guessed")
+        Basis(source="", why="", grade="guessed")
 
 
 def test_the_page_says_what_fails_and_why():
