@@ -27,7 +27,9 @@ class CourseRun:
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
         self.simulation = Simulation(machine)
-        self.task = self.simulation.tasks[0]
+        task = self.simulation.tasks[0]
+        self.ploughs = bool(task["hitch"] != HitchControl.RAISED)
+        self.full_depth_m = float(task["full_depth_m"])
         self.driver = self.simulation.drivers[0]
         self.passes = Passes(machine, self.simulation.batch)
         self.decisions, self.deepest_m = 0, 0.0
@@ -105,15 +107,14 @@ class CourseRun:
         if course.edge_m is not None and self._past_edge(seen, course.edge_m):
             return Outcome.EDGE, seen.along_m
         start = course.approach_m
-        ploughs = self.task["hitch"] != HitchControl.RAISED
-        if ploughs:
+        if self.ploughs:
             start = min(float(self.driver["full_depth_at_m"]), start + LOWERING_M)
         if seen.along_m < start + course.length_m:
             return None
         self.driver["full_depth_at_m"], self.driver["bias_rad"] = math.inf, 0.0
         if not self.passes.end(seen.along_m):
             return None
-        if ploughs and self.deepest_m < self.task["full_depth_m"]:
+        if self.ploughs and self.deepest_m < self.full_depth_m:
             return Outcome.SHALLOW, self.deepest_m
         return Outcome.DRIVEN, seen.along_m
 
