@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import io
 import json
 import os
@@ -18,7 +19,6 @@ import pytest
 from joblib import delayed
 from rich.console import Console
 
-import twin
 from twin import cli
 from twin.commands import terminal
 from twin.compute.parallel import many, telling
@@ -45,7 +45,7 @@ def test_every_command_can_be_quiet_and_give_json(command: tuple[str, ...]) -> N
 def bench(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     made = SimpleNamespace(rows=lambda: [ROW])
     monkeypatch.setitem(sys.modules, "twin.bench.bench", made)
-    monkeypatch.setattr(twin, "bench", made, raising=False)
+    monkeypatch.setattr(importlib.import_module("twin.bench"), "bench", made, raising=False)
     monkeypatch.chdir(tmp_path)
 
 

@@ -31,6 +31,7 @@ ALONE = os.environ.get("TWIN_WHEEL_ALONE") == "1"
 BROUGHT = {
     "glfw": "mujoco",
     "llvmlite": "numba",
+    "pandas": "an extra, and only imported where it is asked for",
     "stable_baselines3": "an extra, and only imported where it is asked for",
 }
 """What the wheel imports and does not name -> what brings it."""

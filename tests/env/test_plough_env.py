@@ -103,7 +103,7 @@ def test_it_starts_in_the_last_furrow_and_ploughs_at_the_depth_it_is_set_for(tru
     """Rolled to the right by atan(depth / track) and the tyres' share; shares level in the soil."""
     firm = {"soil.preset": "firm", "soil.friction": 0.88, "soil.cone_index_kpa": 1200.0}
     truth_env.reset(seed=10, options=firm | LEVEL)
-    w, x, y, z = truth_env.episodes.fleet.world_from_body[0]
+    w, x, y, z = truth_env.episodes.fleet.qpos[0, 3:7]
     roll = math.degrees(math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)))
     assert roll == pytest.approx(math.degrees(math.atan(0.25 / 1.8)), abs=1.5)
     depths = [truth_env.step(np.array([0.0, 0.3]))[-1]["depth_m"] for _ in range(300)]

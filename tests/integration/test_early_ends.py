@@ -63,7 +63,7 @@ def test_a_study_counts_and_names_the_runs_that_did_not_drive_their_course(tmp_p
             case = f"slope-5-plough, soil.cone_index_kpa = {value}, {estimator}"
             assert rows[case, "not driven as planned"] == count
             assert rows[case, "failed"] == 0
-    assert "not driven" in said.splitlines()[2]
+    assert "not driven" in "".join(said.splitlines()[:3])
     for seed in (0, 1):
         named = f"slope-5-plough, soil.cone_index_kpa = 50.0, seed {seed}: stuck at "
         assert said.count(f"not driven: {named}") == 1

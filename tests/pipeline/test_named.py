@@ -109,7 +109,7 @@ def test_a_folder_called_estimators_shadows_nothing(tmp_path):
     (tmp_path / "estimators" / "__init__.py").write_text("raise RuntimeError('shadowed')")
     (tmp_path / "own_filter.py").write_text(MINE.read_text())
     program = (
-        "from twin import registry; registry.load('estimator', 'own_filter:Mine');"
+        "from twin.pipeline import named as registry; registry.load('estimator', 'own_filter:Mine');"
         "registry.load('estimator', 'ratio'); import estimators; print(estimators.REGISTRY['pkf'])"
     )
     ran = subprocess.run(
@@ -120,7 +120,7 @@ def test_a_folder_called_estimators_shadows_nothing(tmp_path):
 
 def test_naming_estimators_imports_nothing_heavy():
     program = (
-        "import sys; from twin import registry; registry.names('estimator');"
+        "import sys; from twin.pipeline import named as registry; registry.names('estimator');"
         "print([m for m in ('numba', 'scipy', 'mujoco') if m in sys.modules])"
     )
     ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)

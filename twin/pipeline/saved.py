@@ -99,5 +99,5 @@ def dataframe(result: Result) -> pandas.DataFrame:
     try:
         import pandas
     except ModuleNotFoundError:
-        raise BadInput("to_dataframe needs pandas; pip install pandas would do") from None
+        raise BadInput("to_dataframe needs pandas; pip install '.[dataframe]' would do") from None
     return pandas.DataFrame(run_folder.stack(result.estimates))
