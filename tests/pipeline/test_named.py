@@ -109,7 +109,8 @@ def test_a_folder_called_estimators_shadows_nothing(tmp_path):
     (tmp_path / "estimators" / "__init__.py").write_text("raise RuntimeError('shadowed')")
     (tmp_path / "own_filter.py").write_text(MINE.read_text())
     program = (
-        "from twin.pipeline import named as registry; registry.load('estimator', 'own_filter:Mine');"
+        "from twin.pipeline import named as registry;"
+        "registry.load('estimator', 'own_filter:Mine');"
         "registry.load('estimator', 'ratio'); import estimators; print(estimators.REGISTRY['pkf'])"
     )
     ran = subprocess.run(
