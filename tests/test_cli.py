@@ -218,12 +218,12 @@ def test_a_run_folder_is_a_log_with_its_truth(
 def test_bench_writes_its_rows(
     stub: list[Any], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    import twin
+    import twin.bench as package
 
     row = {"case": "step", "quantity": "share of native", "ours": 0.44, "high": 0.8, "passed": True}
     bench = SimpleNamespace(rows=lambda: [row])
     monkeypatch.setitem(sys.modules, "twin.bench.bench", bench)
-    monkeypatch.setattr(twin, "bench", bench, raising=False)
+    monkeypatch.setattr(package, "bench", bench, raising=False)
     assert cli.main(["bench", "--json", "rows.json"]) == 0
     assert json.loads(Path("rows.json").read_text()) == {"rows": [row]}
     assert "0.44" in capsys.readouterr().out
