@@ -127,3 +127,11 @@ def test_the_table_does_not_depend_on_how_many_parts_are_joined_at_once(tmp_path
     monkeypatch.setattr(table, "AT_ONCE", 2)
     assert read(cases, tmp_path).to_pylist() == whole.to_pylist()
     assert whole.num_rows == 7
+
+
+def test_what_a_killed_run_left_half_written_goes(tmp_path):
+    cases = plan(["tests.studies.brought:ODD"], range(1), ["ratio"], {})
+    left = tmp_path / f".1234.{cases[0].part}"  # as `twin.io.atomic` names what is not whole yet
+    left.write_bytes(b"half")
+    work(cases, tmp_path, jobs=1)
+    assert [path.name for path in tmp_path.iterdir()] == [cases[0].part]

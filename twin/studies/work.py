@@ -70,7 +70,7 @@ def work(
     except Exception as error:  # a run's own are rows; this is a full disk or a lost worker
         text = f"the study stopped: {line(error)}; the same command continues it"
         raise (NoSpace if isinstance(error, NoSpace) else BadInput)(text) from None
-    for leftover in folder.glob(".*.parquet.*"):  # of runs that were killed while writing
+    for leftover in folder.glob(".*.parquet"):  # of runs that were killed while writing
         leftover.unlink(missing_ok=True)
 
 
