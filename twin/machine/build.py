@@ -74,6 +74,7 @@ def assemble(
     *,
     looks: bool = False,
     setting: Setting | None = None,
+    find: Callable[[Setting], Setting] | None = None,
     dress: Callable[[mujoco.MjSpec], None] | None = None,
 ) -> Machine:
     """Compile the machine of a scenario, put it at the start of its course, and install the laws.
@@ -85,6 +86,7 @@ def assemble(
         scenario: what is assembled.
         looks: keep what is only looked at.
         setting: how the hitch is set; None for what the geometry asks for.
+        find: makes the operator's setting of what the geometry asks for, where none is given.
         dress: adds to the specification what only the eye wants; for a machine that is looked at.
     """
     install()
@@ -124,7 +126,9 @@ def assemble(
         plough, draft_scale = scenario.plough, scenario.expected_draft_scale
         here = mounted(model, plough, draft_scale, numbers, hitch, axle_height_m)
         work_rad = here.work_rad
-        setting = setting or by_geometry(here)
+        if setting is None:
+            setting = by_geometry(here)
+            setting = setting if find is None else find(setting)
         set_plough(model, here, setting)
     speed = unloaded_speed_mps(scenario, numbers)
     start = unsettled(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 from twin.machine.build import Machine, assemble
 from twin.machine.plough_setting import Setting
@@ -26,17 +27,17 @@ def build(
         setting: how the hitch is set; None leaves it to the operator, who drives a trial furrow
             where the depth is not trimmed on the way.
     """
+    find = None
     if scenario.plough is not None and scenario.plough.hitch != "depth" and settle:
-        setting = setting or _tried(scenario, scenario.plough)
-    machine = assemble(scenario, looks=looks, setting=setting)
+        find = partial(_tried, scenario, scenario.plough)
+    machine = assemble(scenario, looks=looks, setting=setting, find=find)
     if not settle:
         return machine
     rest = settled(machine.model, machine.start_qpos, machine.world_from_ground, scenario)
     return replace(machine, start_qpos=rest.qpos, start_act=rest.act, start_load_n=rest.load_n)
 
 
-def _tried(scenario: Scenario, plough: Plough) -> Setting | None:
+def _tried(scenario: Scenario, plough: Plough, geometry: Setting) -> Setting:
     from twin.simulation.trial import tried  # the trial is driven on a machine built here
 
-    geometry = assemble(scenario).setting
-    return None if geometry is None else tried(scenario, plough, geometry)
+    return tried(scenario, plough, geometry)
