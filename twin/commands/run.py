@@ -21,14 +21,15 @@ from twin.commands.score_table import print_scores
 from twin.commands.terminal import progress, say
 from twin.errors import BadInput
 from twin.io.atomic import moved_when_complete
-from twin.io.plain import Plain
 from twin.pipeline import named as registry
+from twin.pipeline import public
 from twin.plugins.lookup import Thing
 
 if TYPE_CHECKING:
+    from twin.pipeline.estimating import Estimator
     from twin.pipeline.result import Result
 
-DEFAULT_ESTIMATORS = "ratio,four-state"
+DEFAULT_ESTIMATORS = ",".join(public.DEFAULT_ESTIMATORS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,12 +134,12 @@ def _pngs(folder: Path | None) -> AbstractContextManager[Path | None]:
     return nullcontext() if folder is None else moved_when_complete(folder)
 
 
-def load_estimators(names: str) -> dict[str, Plain]:
+def load_estimators(names: str) -> dict[str, Estimator]:
     """Estimators by name from `a,b,module:Name`. Raises UnknownName, or BadInput for none."""
     wanted = [name.strip() for name in names.split(",") if name.strip()]
     if not wanted:
         raise BadInput("--estimators is empty; twin list shows the names")
-    return {name: registry.load("estimator", name) for name in wanted}
+    return public.by_name(list(dict.fromkeys(wanted)))
 
 
 def _split(args: Sequence[str]) -> tuple[str, Sequence[str]]:

@@ -18,6 +18,7 @@ import tyro
 
 from twin.commands.output import Output, check_files, check_folder, deliver
 from twin.commands.parse import parse
+from twin.commands.run import DEFAULT_ESTIMATORS
 from twin.commands.tables import Column, print_table
 from twin.commands.terminal import progress, say
 from twin.errors import BadInput, check_range
@@ -61,7 +62,7 @@ NO_DIFFERENCE = ("bound.slip_causal",)
 class Study(Output):
     """Run scenarios x sweeps x seeds with every estimator. A stopped study can be continued."""
 
-    estimators: str = "ratio,four-state"
+    estimators: str = DEFAULT_ESTIMATORS
     """Estimators, separated by commas: names, or module:Name of your own."""
     seeds: int = 10
     """Number of seeds. Every scenario and sweep has the same ones."""

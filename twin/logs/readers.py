@@ -10,7 +10,7 @@ from twin.logs.nmea_log import Nmea
 from twin.logs.parquet_table import Parquet
 from twin.logs.reader import Reader
 from twin.logs.run_folder import RunFolder
-from twin.plugins.lookup import attribute, line
+from twin.plugins.lookup import attribute, instance
 
 READERS: dict[str, Reader] = {
     "run-folder": RunFolder(),
@@ -32,12 +32,7 @@ def reader(spec: str) -> Reader:
         return READERS[spec]
     if ":" not in spec:
         raise UnknownName("reader of logs", spec, READERS)
-    found = attribute("reader of logs", spec)
-    if isinstance(found, type):
-        try:
-            found = found()
-        except Exception as error:  # whatever a user's constructor raises
-            raise BadInput(f"reader of logs '{spec}' cannot be made: {line(error)}") from None
+    found = instance("reader of logs", spec, attribute("reader of logs", spec))
     if not isinstance(found, Reader):
         kind = getattr(found, "__name__", type(found).__name__)
         raise BadInput(f"reader of logs '{spec}' is {kind}; it must be a twin.logs.Reader")

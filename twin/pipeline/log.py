@@ -17,12 +17,9 @@ from twin.pipeline import log_check
 from twin.pipeline.estimating import Estimator, all_estimates
 from twin.pipeline.log_check import SteadySlip
 from twin.pipeline.result import Result
-from twin.plugins.percent import percent_note
+from twin.plugins.percent import MOVING_MPS, percent_note
 from twin.scores import scores
 from twin.streams import Table
-
-MOVING_MPS = 0.5
-"""Slip below this speed says nothing and is left out of the summary [m/s]."""
 
 
 def estimate(

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from twin.errors import BadInput, TwinError, UnknownName
 from twin.io.plain import from_plain
-from twin.plugins.lookup import Thing, attribute, line
+from twin.plugins.lookup import Thing, attribute, instance, line
 from twin.scenario import Scenario
 
 PACKAGES = {"scenario": "scenarios", "estimator": "estimators"}
@@ -93,7 +93,7 @@ def _kept(path: Path) -> Thing:
 
 
 def _scenario(spec: str, found: Thing) -> Thing:
-    found = _instance("scenario", spec, found)
+    found = instance("scenario", spec, found)
     drives = hasattr(found, "machine") or callable(getattr(found, "measure", None))
     if not (drives and dataclasses.is_dataclass(found)):
         raise BadInput(
@@ -106,17 +106,8 @@ def _scenario(spec: str, found: Thing) -> Thing:
     return found
 
 
-def _instance(kind: str, spec: str, found: Thing) -> Thing:
-    if not isinstance(found, type):
-        return found
-    try:
-        return found()
-    except Exception as error:  # whatever a user's constructor raises
-        raise BadInput(f"{kind} '{spec}' cannot be made: {line(error)}") from None
-
-
 def _estimator(spec: str, found: Thing) -> Thing:
-    found = _instance("estimator", spec, found)
+    found = instance("estimator", spec, found)
     lacking = [name for name in ("init", "run") if not callable(getattr(found, name, None))]
     if lacking:
         raise BadInput(

@@ -41,6 +41,16 @@ def attribute(kind: str, spec: str) -> Thing:
     return found
 
 
+def instance(kind: str, spec: str, found: Thing) -> Thing:
+    """What was found; a class is made into an instance. Raises BadInput if it cannot be made."""
+    if not isinstance(found, type):
+        return found
+    try:
+        return found()
+    except Exception as error:  # whatever a user's constructor raises
+        raise BadInput(f"{kind} '{spec}' cannot be made: {line(error)}") from None
+
+
 def _module(kind: str, spec: str, module: str) -> Thing:
     if os.getcwd() not in sys.path:
         sys.path.append(os.getcwd())

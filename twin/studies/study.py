@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from twin.errors import BadInput
 from twin.io.plain import Plain
+from twin.pipeline.public import DEFAULT_ESTIMATORS
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -37,7 +38,7 @@ class Study:
 
 def study(
     scenarios: Iterable[str],
-    estimators: Iterable[str] = ("ratio", "four-state"),
+    estimators: Iterable[str] = DEFAULT_ESTIMATORS,
     *,
     out: Path | str,
     seeds: Iterable[int] = range(10),

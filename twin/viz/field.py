@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from twin.viz.bodies import Bodies
 from twin.viz.furrows import Cut, Pass, left_by, worked_by
+from twin.viz.mesh import normals, triangles
 from twin.viz.tools import Array
 
 NAME = "soil_seen"
@@ -74,8 +75,9 @@ class FieldMesh:
         place = np.stack([i, j, 0.01 * ((i + j) % 2)], axis=-1)  # some shape, to be set later
         corner = np.stack([(j + 0.5) / m, (i + 0.5) / n], axis=-1)
         spec.add_mesh(
-            name=NAME, uservert=place.ravel().astype(float), userface=_faces(n, m).ravel(),
-            usertexcoord=corner.ravel(), inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+            name=NAME, uservert=place.ravel().astype(float),
+            userface=triangles(n, m).astype(np.int32).ravel(), usertexcoord=corner.ravel(),
+            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
         )  # fmt: skip
         spec.add_texture(
             name=NAME, type=mujoco.mjtTexture.mjTEXTURE_2D,
@@ -115,7 +117,7 @@ class FieldMesh:
         first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
         model.mesh_vert[first : first + count] = points.reshape(-1, 3)
         first = model.mesh_normaladr[mesh]
-        model.mesh_normal[first : first + count] = _normals(points).reshape(-1, 3)
+        model.mesh_normal[first : first + count] = normals(points).reshape(-1, 3)
         geom = model.geom(NAME).id
         model.geom_pos[geom], model.geom_quat[geom] = 0.0, (1.0, 0.0, 0.0, 0.0)
         model.geom_sameframe[geom] = 0
@@ -217,15 +219,3 @@ def _between(lines: Array) -> Array:
 
 def _snapped(place_m: float, cell_m: float) -> float:
     return float(cell_m * np.round(place_m / cell_m))
-
-
-def _faces(n: int, m: int) -> Array:
-    corner = (np.arange(n - 1)[:, None] * m + np.arange(m - 1)).ravel()
-    lower = np.stack([corner, corner + m, corner + 1], axis=1)
-    upper = np.stack([corner + 1, corner + m, corner + m + 1], axis=1)
-    return np.concatenate([lower, upper]).astype(np.int32)
-
-
-def _normals(points: Array) -> Array:
-    normal = np.cross(np.gradient(points, axis=0), np.gradient(points, axis=1))
-    return np.asarray(normal / np.linalg.norm(normal, axis=-1, keepdims=True))

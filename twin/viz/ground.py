@@ -26,6 +26,7 @@ from twin.viz.furrows import (
     left_by,
     worked_by,
 )
+from twin.viz.mesh import normals, triangles
 from twin.viz.paths import FURROW, GROUND, LAND
 from twin.viz.tools import Array, every, position_w, times
 
@@ -76,8 +77,9 @@ def log_ground(
     elif found and ground.bodies is not None:
         t_m = _with_edges(t_m, found, ground.bodies, scenario)
     s, t = np.meshgrid(s_m, t_m, indexing="ij")  # (n, m)
-    triangles = rr.Mesh3D.from_fields(triangle_indices=_triangles(len(s_m), len(t_m)))
-    recording.log(GROUND, triangles, static=True)
+    corners = triangles(len(s_m), len(t_m)).astype(np.uint32)
+    faces = rr.Mesh3D.from_fields(triangle_indices=corners)
+    recording.log(GROUND, faces, static=True)
     for k in range(max(1, len(found))):
         lifted_m, cut = _lifted_m(scenario, ground, found, k, s, t)
         points = ground.surface_w(s, t, lifted_m)  # (n, m, 3)
@@ -86,7 +88,7 @@ def log_ground(
             times({"epoch_ns": np.array([found[k][0].from_ns if k else truth["epoch_ns"][0]])}),
             rr.Mesh3D.columns(
                 vertex_positions=points.reshape(-1, 3).astype(np.float32),
-                vertex_normals=_normals(points).reshape(-1, 3).astype(np.float32),
+                vertex_normals=normals(points).reshape(-1, 3).astype(np.float32),
                 vertex_colors=_colours(scenario, ground, s, t, cut).reshape(-1, 3),
             ).partition([s.size]),
         )
@@ -304,15 +306,3 @@ def _colours(scenario: Thing, ground: Ground, s: Array, t: Array, cut: Array) ->
 def _blend(colour: Array, other: tuple[int, int, int], share: Array) -> Array:
     weight = np.asarray(share, float)[..., None]
     return np.asarray((1.0 - weight) * colour + weight * np.array(other, float))
-
-
-def _triangles(n: int, m: int) -> Array:
-    corner = (np.arange(n - 1)[:, None] * m + np.arange(m - 1)).ravel()  # (k,)
-    lower = np.stack([corner, corner + m, corner + 1], axis=1)
-    upper = np.stack([corner + 1, corner + m, corner + m + 1], axis=1)
-    return np.concatenate([lower, upper]).astype(np.uint32)
-
-
-def _normals(points: Array) -> Array:
-    normal = np.cross(np.gradient(points, axis=0), np.gradient(points, axis=1))
-    return np.asarray(normal / np.linalg.norm(normal, axis=-1, keepdims=True))

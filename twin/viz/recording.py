@@ -21,11 +21,9 @@ from twin.viz.events import drive_events, events, log_events
 from twin.viz.ground import Ground, log_ground, log_ploughing, worked
 from twin.viz.paths import APPLICATION, WORLD
 from twin.viz.pictures import log_frames
-from twin.viz.tools import every
+from twin.viz.tools import LARGE_M, every
 
 POSE_RATE_HZ = 15.0
-LARGE_M = 2.55
-"""Wheelbase of the tractor that the thickness of lines is meant for."""
 NOTHING: Table = {"epoch_ns": np.zeros(1, np.int64)}
 
 

@@ -14,10 +14,8 @@ from twin.machine.files import model_path
 from twin.plugins.lookup import Thing
 from twin.viz.bodies import bodies
 from twin.viz.field import FieldMesh, Seen
-from twin.viz.tools import Array
+from twin.viz.tools import LARGE_M, Array
 
-LARGE_M = 2.55
-"""Wheelbase of the tractor that cells and distances are meant for."""
 CELL_M, REACH_M = 0.07, (6.5, 3.0)
 """Smallest cell of the field, and how far it reaches along and across."""
 VIEWS = {

@@ -14,6 +14,8 @@ from twin.viz.paths import SIM_TIME, STEP
 
 Array = NDArray[Any]
 
+LARGE_M = 2.55
+"""Wheelbase of the tractor that lines, cells and distances are meant for [m]."""
 STEP_S = 0.002
 """`step` counts physics steps [s]."""
 
