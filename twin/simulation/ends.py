@@ -47,7 +47,7 @@ class Stance:
 
 
 def stance(machine: Machine) -> Stance:
-    """A machine's, on level ground."""
+    """Where the centre of gravity of a machine lies over its wheels, on level ground."""
     model = machine.model
     ahead_m, _, above_axle_m = model.site("cg").pos
     return Stance(
