@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from twin.commands.output import check_folder
+from twin.commands.log_summary import print_log
+from twin.commands.output import check_files, check_folder
 from twin.commands.parse import parse
 from twin.commands.run import DEFAULT_ESTIMATORS, load_estimators, status
 from twin.commands.score_table import print_scores
 from twin.commands.terminal import counting, say
 from twin.errors import BadInput
-from twin.scores.table import slip_lines
 
 if TYPE_CHECKING:
     from twin.pipeline.result import Result
@@ -35,6 +35,8 @@ class Estimate:
     """What reads it, csv, parquet, nmea or run-folder, or module:Name of your own."""
     out: Path | None = None
     """Folder for the results; by default runs/<name of the log>."""
+    csv: Path | None = None
+    """File for the estimates as CSV, with units in the names of its columns."""
     figures: Path | None = None
     """Folder for the report's figures as SVG and PDF, one column (85 mm) wide."""
     estimators: str = DEFAULT_ESTIMATORS
@@ -57,6 +59,7 @@ def main(args: Sequence[str]) -> int:
         raise BadInput(f"--out {directory} is the log itself; choose another folder")
     run_folder.refuse_foreign(directory)
     check_folder("figures", options.figures)
+    check_files(csv=options.csv)
     estimators = load_estimators(options.estimators)
     from twin import logs
     from twin.pipeline.log import estimate
@@ -68,7 +71,8 @@ def main(args: Sequence[str]) -> int:
     result.save(directory, command=f"twin estimate {shlex.join(args)}")
     if options.figures is not None:
         result.figures(options.figures)
-    _say(result, directory, options)
+    csv_time = None if options.csv is None else result.csv(options.csv)
+    _say(result, directory, options, csv_time)
     if options.view:
         from twin import viz
 
@@ -76,12 +80,12 @@ def main(args: Sequence[str]) -> int:
     return status(result)
 
 
-def _say(result: Result, directory: Path, options: Estimate) -> None:
+def _say(result: Result, directory: Path, options: Estimate, csv_time: str | None) -> None:
     if options.json:
         print(json.dumps(result.scores, indent=2))
     elif not options.quiet:
         print_scores(result.scores)
-        notes = [f"note: {note}" for note in result.notes]
-        files = f"{directory}/report.html, {directory}/run.rrd"
-        for line in (*slip_lines(result.scores), *notes, files):
-            say(line)
+        print_log(result.scores)
+        if csv_time is not None:
+            say(f"{options.csv}: {csv_time}")
+        say(f"{directory}/report.html, {directory}/run.rrd")

@@ -6,6 +6,7 @@ A `Reader` finds named signals in a file, and a column map makes streams of them
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -71,7 +72,7 @@ def _read(path: Path, columns_of: ColumnMap | None, reader: Reader | None) -> Lo
         with failing(f"the reader of {by.name} logs", by):
             log = by.read(path, columns_of)
     check(log.streams, log.setup.extra)
-    return log
+    return log if columns_of is None else replace(log, implement=columns_of.implement)
 
 
 def _named(path: Path, reader: Callable[[Path], _Read]) -> _Read:

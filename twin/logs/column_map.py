@@ -8,6 +8,7 @@
     [reference]  slip = {column = "slip_radar", unit = "%"}: scored against
     [zero_slip]  where = {state = ["M"]}, min_speed_kmh = 5.0: rows in which the wheels do not slip
     [steady]     the same, and max_speed_change_kmhps: rows of steady work
+    [implement]  width_m, name: litres per hectare follow from the working width
     [setup]      machine, wheelbase_m, ...; [setup.gnss], ... as in `twin.streams.Setup`
 
 An angle is in the compass's sense (clockwise from north) unless its `convention` is "east", the
@@ -24,13 +25,14 @@ from pathlib import Path
 
 from twin.errors import BadInput, UnknownName
 from twin.logs.cells import TIMESTAMP
+from twin.logs.job import Implement, implement_from
 from twin.logs.quantities import QUANTITIES
 from twin.logs.rules import Rule
 from twin.logs.setup_block import setup_from
 from twin.logs.units import UNITS
 
 RULES = ("zero_slip", "steady")
-SECTIONS = ("log", *QUANTITIES, "rows", *RULES, "setup")
+SECTIONS = ("log", *QUANTITIES, "rows", *RULES, "implement", "setup")
 CONVENTIONS = ("compass", "east")
 BEARINGS = ("course", "heading")
 """Angles that a log may count from north."""
@@ -56,6 +58,7 @@ class ColumnMap:
     labels: Mapping[str, str] = field(default_factory=dict)
     """Label name -> column."""
     rules: Mapping[str, Rule] = field(default_factory=dict)
+    implement: Implement | None = None
     setup: Mapping[str, object] = field(default_factory=dict)
     """The [setup] table as it stands; every value in it has been checked."""
 
@@ -89,6 +92,7 @@ def column_map_from(raw: Mapping[str, object]) -> ColumnMap:
         columns={s: _sources(s, tables[s]) for s in QUANTITIES if s in tables},
         labels=labels,
         rules={r: _rule(r, tables[r], labels) for r in RULES if r in tables},
+        implement=_implement(tables["implement"]) if "implement" in tables else None,
         setup=setup,
     )
 
@@ -122,6 +126,11 @@ def _source(where: str, raw: object, units: Iterable[str], bearing: bool) -> Sou
         known = UnknownName("convention", str(convention), CONVENTIONS)
         raise BadInput(f"{where}.convention: {known}")
     return Source(column, unit, convention)
+
+
+def _implement(section: Mapping[str, object]) -> Implement:
+    _known(section, "key of [implement]", (f.name for f in fields(Implement)))
+    return implement_from(section)
 
 
 def _label(name: str, raw: object) -> str:

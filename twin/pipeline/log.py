@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -13,7 +12,8 @@ from twin import logs
 from twin.io import run_folder
 from twin.io.plain import Plain
 from twin.logs import Log, Reader
-from twin.pipeline import log_check
+from twin.pipeline import drive, log_check
+from twin.pipeline.drive import spread
 from twin.pipeline.estimating import Estimator, all_estimates
 from twin.pipeline.log_check import SteadySlip
 from twin.pipeline.result import Result
@@ -66,6 +66,7 @@ def findings(
 ) -> dict[str, Plain]:
     """The slip of each estimator while driving and, where the map has the rules, steady work."""
     found: dict[str, Plain] = {"slip": {n: slip_summary(t) for n, t in estimates.items()}}
+    found |= drive.findings(log.streams, estimates, log.implement)
     if steady is None:
         return found
     found["steady_slip"] = {n: steady_summary(log, t) for n, t in estimates.items()}
@@ -82,10 +83,10 @@ def findings(
 def slip_summary(estimates: Table) -> dict[str, float | int | None]:
     """Median, 5 % and 95 % of the estimated slip while driving faster than 0.5 m/s."""
     if "slip" not in estimates:
-        return _quantiles(np.empty(0))
+        return spread(np.empty(0))
     slip = np.asarray(estimates["slip"], np.float64)
     speed = np.asarray(estimates.get("speed_mps", np.full(len(slip), np.inf)), np.float64)
-    return _quantiles(slip[np.abs(speed) > MOVING_MPS])
+    return spread(slip[np.abs(speed) > MOVING_MPS])
 
 
 def steady_summary(log: Log, estimates: Table) -> dict[str, float | int | None]:
@@ -94,16 +95,8 @@ def steady_summary(log: Log, estimates: Table) -> dict[str, float | int | None]:
     epoch_ns = log.streams["wheels"]["epoch_ns"]
     chosen = logs.choose(log.rules["steady"], log.rows, epoch_ns, wheel_mps)
     if "slip" not in estimates or not len(estimates["epoch_ns"]):
-        return _quantiles(np.empty(0))
-    return _quantiles(scores.at(estimates, "slip", epoch_ns[chosen]))
-
-
-def _quantiles(slip: np.ndarray[Any, Any]) -> dict[str, float | int | None]:
-    known = slip[np.isfinite(slip)]
-    if not len(known):
-        return {"median": None, "p05": None, "p95": None, "n": 0}
-    p05, median, p95 = (float(q) for q in np.quantile(known, (0.05, 0.5, 0.95)))
-    return {"median": median, "p05": p05, "p95": p95, "n": len(known)}
+        return spread(np.empty(0))
+    return spread(scores.at(estimates, "slip", epoch_ns[chosen]))
 
 
 def _prepared(log: Log) -> tuple[Log, SteadySlip | None]:

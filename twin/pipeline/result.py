@@ -120,6 +120,18 @@ class Result:
 
         record(self, Path(path))
 
+    def csv(self, path: Path | str) -> str:
+        """Write the estimates of all estimators as one CSV file; how its time is written.
+
+        Every column has its unit in its name; slip is in percent.
+
+        Raises:
+            BadInput: the file cannot be written.
+        """
+        from twin.io.estimates_csv import write
+
+        return write(self.estimates, Path(path))
+
     def to_dataframe(self) -> pandas.DataFrame:
         """The estimates of all estimators below each other, column `estimator` first.
 
