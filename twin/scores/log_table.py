@@ -59,7 +59,7 @@ def activity_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
 
 
 def slip_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
-    """One row for each estimator and choice of rows, in the order of SLIP_HEADERS."""
+    """One row for each estimator with a slip, and choice of rows, in the order of SLIP_HEADERS."""
     return [
         [
             name,
@@ -71,6 +71,7 @@ def slip_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
         ]
         for key, rows in PARTS_OF_SLIP.items()
         for name, slip in (scores.get(key) or {}).items()
+        if slip["n"]
     ]
 
 
@@ -135,7 +136,8 @@ def fuel_sentences(scores: Mapping[str, Plain]) -> list[str]:
 def assumptions(scores: Mapping[str, Plain]) -> list[str]:
     """Rules, definitions and values that the numbers rest on, then the notes of the reading."""
     drive = scores.get("drive") or {}
-    lines = []
+    silent = [name for name, slip in (scores.get("slip") or {}).items() if not slip["n"]]
+    lines = [f"{name}: no slip estimated" for name in silent]
     if drive.get("estimator"):
         lines.append(f"Slip in tables and figures is {drive['estimator']}'s, unless they say else.")
     lines += [f"Zero slip: {line}" for line in scores.get("zero_slip") or ()]
