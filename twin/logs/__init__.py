@@ -72,7 +72,9 @@ def _read(path: Path, columns_of: ColumnMap | None, reader: Reader | None) -> Lo
         with failing(f"the reader of {by.name} logs", by):
             log = by.read(path, columns_of)
     check(log.streams, log.setup.extra)
-    return log if columns_of is None else replace(log, implement=columns_of.implement)
+    if columns_of is None:
+        return log
+    return replace(log, implement=columns_of.implement, protocol=columns_of.protocol)
 
 
 def _named(path: Path, reader: Callable[[Path], _Read]) -> _Read:

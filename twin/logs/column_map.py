@@ -8,6 +8,7 @@
     [reference]  slip = {column = "slip_radar", unit = "%"}: scored against
     [zero_slip]  where = {state = ["M"]}, min_speed_kmh = 5.0: rows in which the wheels do not slip
     [steady]     the same, and max_speed_change_kmhps: rows of steady work
+    [protocol]   zero_pull_passes_s = [[120, 180], [200, 260]], ...: when its parts were driven
     [implement]  width_m, name: litres per hectare follow from the working width
     [setup]      machine, wheelbase_m, ...; [setup.gnss], ... as in `twin.streams.Setup`
 
@@ -26,13 +27,14 @@ from pathlib import Path
 from twin.errors import BadInput, UnknownName
 from twin.logs.cells import TIMESTAMP
 from twin.logs.job import Implement, implement_from
+from twin.logs.protocol import KEYS, Part, Times, written_from
 from twin.logs.quantities import QUANTITIES
 from twin.logs.rules import Rule
 from twin.logs.setup_block import setup_from
 from twin.logs.units import UNITS
 
 RULES = ("zero_slip", "steady")
-SECTIONS = ("log", *QUANTITIES, "rows", *RULES, "implement", "setup")
+SECTIONS = ("log", *QUANTITIES, "rows", *RULES, "implement", "protocol", "setup")
 CONVENTIONS = ("compass", "east")
 BEARINGS = ("course", "heading")
 """Angles that a log may count from north."""
@@ -59,6 +61,7 @@ class ColumnMap:
     """Label name -> column."""
     rules: Mapping[str, Rule] = field(default_factory=dict)
     implement: Implement | None = None
+    protocol: Mapping[Part, Times] = field(default_factory=dict)
     setup: Mapping[str, object] = field(default_factory=dict)
     """The [setup] table as it stands; every value in it has been checked."""
 
@@ -93,6 +96,7 @@ def column_map_from(raw: Mapping[str, object]) -> ColumnMap:
         labels=labels,
         rules={r: _rule(r, tables[r], labels) for r in RULES if r in tables},
         implement=_implement(tables["implement"]) if "implement" in tables else None,
+        protocol=_protocol(tables.get("protocol", {})),
         setup=setup,
     )
 
@@ -126,6 +130,11 @@ def _source(where: str, raw: object, units: Iterable[str], bearing: bool) -> Sou
         known = UnknownName("convention", str(convention), CONVENTIONS)
         raise BadInput(f"{where}.convention: {known}")
     return Source(column, unit, convention)
+
+
+def _protocol(section: Mapping[str, object]) -> dict[Part, Times]:
+    _known(section, "key of [protocol]", KEYS)
+    return written_from(section)
 
 
 def _implement(section: Mapping[str, object]) -> Implement:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from twin.logs.job import Implement
+from twin.logs.protocol import Part, Times
 from twin.logs.rules import Rule
 from twin.streams import Setup, Streams, Table
 
@@ -26,5 +27,7 @@ class Log:
     """The map's row rules by name: `zero_slip`, `steady`."""
     implement: Implement | None = None
     """What the map says of the implement."""
+    protocol: Mapping[Part, Times] = field(default_factory=dict)
+    """When the map says that the parts of the recording protocol were driven."""
     notes: tuple[str, ...] = ()
     """What was handled and not hidden: gaps, rows left out, values assumed."""

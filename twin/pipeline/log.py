@@ -12,7 +12,8 @@ from twin import logs
 from twin.io import run_folder
 from twin.io.plain import Plain
 from twin.logs import Log, Reader
-from twin.pipeline import drive, log_check
+from twin.logs.protocol import Part
+from twin.pipeline import drive, log_check, protocol
 from twin.pipeline.drive import spread
 from twin.pipeline.estimating import Estimator, all_estimates
 from twin.pipeline.log_check import SteadySlip
@@ -43,7 +44,7 @@ def estimate(
         BadInput: the log or the map cannot be used; says which value, and what would do.
     """
     start = time.perf_counter()
-    log, steady = _prepared(logs.read(path, column_map, reader))
+    log, steady, beside = _prepared(logs.read(path, column_map, reader))
     done = all_estimates(estimators, log.setup, log.streams, told)
     reference = _reference(log, path) or {}
     odd = percent_note("slip of the reference", reference, log.streams)
@@ -57,7 +58,7 @@ def estimate(
         notes=(*log.notes, *done.notes, *([odd] if odd else [])),
         failed=done.failed,
         name=path.resolve().stem,
-        found=findings(log, done.tables, steady),
+        found=beside | findings(log, done.tables, steady),
     )
 
 
@@ -99,12 +100,29 @@ def steady_summary(log: Log, estimates: Table) -> dict[str, float | int | None]:
     return spread(scores.at(estimates, "slip", epoch_ns[chosen]))
 
 
-def _prepared(log: Log) -> tuple[Log, SteadySlip | None]:
-    """The log with wheel speeds scaled to zero slip where its map gives the rules."""
+def _prepared(log: Log) -> tuple[Log, SteadySlip | None, dict[str, Plain]]:
+    """The log with wheel speeds scaled to zero slip, and what its own drives told.
+
+    The map's rule scales them, else the zero-pull passes of a recording protocol.
+    """
+    log, beside = protocol.applied(log)
     if "zero_slip" not in log.rules:
-        return log, None
+        return log, None, beside | {"zero_slip": _zero_slip(log, beside)}
     scaled = log_check.scaled(log, log_check.log_scale(log).scale)
-    return scaled, log_check.steady_slip(log) if "steady" in log.rules else None
+    return scaled, log_check.steady_slip(log) if "steady" in log.rules else None, beside
+
+
+def _zero_slip(log: Log, beside: Mapping[str, Plain]) -> str:
+    """What zero slip is in a log whose map has no rule for it."""
+    parts = (beside.get("protocol") or {}).get("parts") or ()
+    if any(part["part"] == Part.ZERO_PULL and part["used"].startswith("wheels") for part in parts):
+        return "zero slip: the zero-pull passes of the recording protocol"
+    ticks = log.setup.wheels is not None and log.setup.wheels.counts_per_turn is not None
+    taken = "the set-up's nominal radii" if ticks else "wheel speed as logged"
+    return (
+        f"zero slip: {taken}; a radius that is wrong by 1 % is 1 point of slip. [zero_slip] in the "
+        "map, or zero-pull passes of a recording protocol, give the scale"
+    )
 
 
 def _reference(log: Log, path: Path) -> Table | None:

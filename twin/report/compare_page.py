@@ -16,7 +16,7 @@ from twin.io.atomic import write_text
 from twin.logs.activity import PULLS, Pull
 from twin.report.draw import Array, Drawing, finite
 from twin.report.html import document, figures, made_with, table
-from twin.report.log_figures import LEAST_IN_BIN, binned, blocks, opened
+from twin.report.log_figures import LEAST_IN_BIN, binned, blocks
 from twin.streams import Table
 
 LOOKS = (("A", "#D55E00", "-"), ("B", "#0072B2", "--"))
@@ -77,7 +77,7 @@ def write(
 def drawings(sides: tuple[Side, Side], where: str) -> dict[str, Drawing]:
     """Heading -> figure, those for which both have the quantity."""
     found = {
-        "Slip over time": _over_time(sides),
+        "Slip over time": _over_time(sides, where),
         "Distribution of slip": _distribution(sides, "slip", 100.0, f"slip {where} [%]"),
         "Distribution of ground speed": _distribution(
             sides, "speed_mps", 3.6, f"ground speed {where} [km/h]"
@@ -101,25 +101,25 @@ def _each(sides: tuple[Side, Side]) -> Iterable[tuple[Side, str, str, str]]:
     return ((side, *look) for side, look in zip(sides, LOOKS, strict=True))
 
 
-def _over_time(sides: tuple[Side, Side]) -> Drawing | None:
-    """Slip over the time since each one's first compared row; whatever lies between stays open."""
+def _over_time(sides: tuple[Side, Side], where: str) -> Drawing | None:
+    """Slip over the time that is compared, one row after the other; breaks in it stay open."""
     if any(not len(_values(side, "slip")[0]) for side in sides):
         return None
 
     def draw(axes: Axes) -> None:
         levels = []
         for side, name, colour, style in _each(sides):
-            first = int(np.argmax(side.chosen))
-            time_s = (side.rows["epoch_ns"] - side.rows["epoch_ns"][first]) * 1e-9
-            slip = np.where(side.chosen, 100.0 * side.rows["slip"], np.nan)
-            time_s, slip = opened(time_s[first:], slip[first:])
-            middle, level, *_ = blocks(time_s, slip, float(time_s[-1]) or 1.0)
+            time_s = np.cumsum(side.rows["duration_s"][side.chosen])
+            breaks = np.flatnonzero(np.diff(np.flatnonzero(side.chosen)) > 1) + 1
+            slip = np.insert(100.0 * side.rows["slip"][side.chosen], breaks, np.nan)
+            time_s = np.insert(time_s, breaks, time_s[breaks])
+            middle, level, *_ = blocks(time_s, slip, float(time_s[-1]))
             axes.plot(middle, level, style, color=colour, lw=0.9, marker=".", ms=1.5, label=name)
             levels.append(finite(level))
         low, high = np.quantile(np.concatenate(levels), (0.01, 0.99))
         margin = 0.15 * max(high - low, 1.0)
         axes.set_ylim(low - margin, high + margin)
-        axes.set(xlabel="time since the first row compared [s]", ylabel="slip [%]")
+        axes.set(xlabel=f"time {where} [s]", ylabel="slip [%]")
 
     return Drawing(title="Slip of both over time", draw=draw, columns=2)
 

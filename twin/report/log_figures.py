@@ -243,13 +243,13 @@ def _band(
     axes: Axes, time_s: Array, values: Array, span_s: float, colour: str, style: str, label: str
 ) -> None:
     """Draw values over time as a line with its band, open in gaps."""
-    time_s, values = opened(time_s, values)
+    time_s, values = _opened(time_s, values)
     middle, level, below, above = blocks(time_s, values, span_s)
     axes.fill_between(middle, below, above, color=colour, alpha=0.2, lw=0)
     axes.plot(middle, level, style, color=colour, lw=0.9, marker=".", ms=1.5, label=label, zorder=3)
 
 
-def opened(time_s: Array, values: Array) -> tuple[Array, Array]:
+def _opened(time_s: Array, values: Array) -> tuple[Array, Array]:
     """The same with a NaN in each gap of time, so that no line crosses it."""
     steps = np.diff(time_s)
     if not len(steps):

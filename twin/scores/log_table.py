@@ -29,6 +29,11 @@ PARTS_OF_SLIP = {
 """Key of what was found -> what its rows are called."""
 
 
+NO_PROTOCOL = (
+    "recording protocol: none in this log (it begins with three starts and stops from standstill)"
+)
+
+
 def number(value: float | None, form: str, scale: float = 1.0) -> str | None:
     """A number as text; None where it is unknown."""
     return None if value is None else form.format(scale * value)
@@ -140,8 +145,11 @@ def assumptions(scores: Mapping[str, Plain]) -> list[str]:
     lines = [f"{name}: no slip estimated" for name in silent]
     if drive.get("estimator"):
         lines.append(f"Slip in tables and figures is {drive['estimator']}'s, unless they say else.")
-    lines += [f"Zero slip: {line}" for line in scores.get("zero_slip") or ()]
     lines += scale_lines(scores)
+    if scores.get("zero_slip"):
+        lines.append(scores["zero_slip"])
+    if scores.get("protocol", {}) is None:
+        lines.append(NO_PROTOCOL)
     if drive.get("rule"):
         lines.append(drive["rule"])
     if drive.get("area"):
