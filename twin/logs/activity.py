@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -68,7 +69,7 @@ class Activity:
         return np.asarray(self.code == activity)
 
 
-def activity(rows: Table) -> Activity:
+def activity(rows: Table, no_work_ns: Sequence[tuple[int, int]] = ()) -> Activity:
     """Tell working, turning, road and standing apart.
 
     Standing: below 0.2 m/s. Working: at most 15 km/h, in no curve narrower than 25 m, and loaded,
@@ -78,6 +79,8 @@ def activity(rows: Table) -> Activity:
 
     Args:
         rows: of `twin.logs.timeline.timeline`.
+        no_work_ns: first and last instants of what is known to be no work, as the parts of a
+            recording protocol.
     """
     count = len(rows["epoch_ns"])
     speed = _speed_mps(rows)
@@ -85,6 +88,8 @@ def activity(rows: Table) -> Activity:
     curved = _curved(rows, speed)
     loaded, pull = _loaded(rows, moving)
     slow = speed * 3.6 <= WORK_KMH
+    for first, last in no_work_ns:
+        loaded &= (rows["epoch_ns"] < first) | (rows["epoch_ns"] > last)
     time_s = (rows["epoch_ns"] - rows["epoch_ns"][0]) * 1e-9 if count else np.empty(0)
     work = _stretched(moving & slow & ~curved & loaded, time_s, rows["duration_s"])
     code = np.where(moving, EMPTY, np.where(known, STANDING, UNKNOWN))
@@ -133,7 +138,7 @@ def _loaded(rows: Table, moving: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], 
         loaded = (level < limit) if pull.lowered else (level > limit)
         side = "below" if pull.lowered else "above"
         told = f", with the {pull.name} {side} {pull.scale * limit:.3g} {pull.unit}"
-        return np.asarray(loaded), told
+        return np.array(loaded), told
     return np.ones(len(moving), np.bool_), ""
 
 

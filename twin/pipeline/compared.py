@@ -18,6 +18,7 @@ from twin.logs.activity import STANDING_MPS, WORKING, Activity, activity
 from twin.logs.summary import RPM
 from twin.logs.timeline import SECOND_NS, timeline
 from twin.pipeline.drive import shown_estimator
+from twin.scores.log_table import protocol_spans_ns
 from twin.scores.scores import at
 from twin.streams import Array, Table
 
@@ -181,7 +182,7 @@ def _drive(folder: Path, record: Record, slip_of: str) -> Drive:
         {} if not truth else {c: n for c, n in FROM_TRUTH.items() if c not in rows and n in truth}
     )
     rows |= {column: at(truth, name, rows["epoch_ns"]) for column, name in told.items()}
-    done = activity(rows)
+    done = activity(rows, protocol_spans_ns(record.scores or {}))
     return Drive(
         folder=folder, record=record, rows=rows, done=done, from_truth=tuple(told),
         chosen=np.ones(len(rows["epoch_ns"]), np.bool_),

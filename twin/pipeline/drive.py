@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
 import numpy as np
@@ -16,9 +16,18 @@ from twin.streams import Array, Streams, Table
 
 
 def findings(
-    streams: Streams, estimates: Mapping[str, Table], implement: Implement | None
+    streams: Streams,
+    estimates: Mapping[str, Table],
+    implement: Implement | None,
+    no_work_ns: Sequence[tuple[int, int]] = (),
 ) -> dict[str, Plain]:
     """What was driven, with the slip of the first estimator that gives one.
+
+    Args:
+        streams: what was measured.
+        estimates: by estimator.
+        implement: what the map says of it.
+        no_work_ns: first and last instants of what is known to be no work.
 
     Returns:
         drive: estimator, start and span, the rule of the activities, their shares, the area, the
@@ -29,7 +38,7 @@ def findings(
     rows = timeline(streams, estimates.get(shown or ""))
     if not len(rows["epoch_ns"]):
         return {"drive": None}
-    done = activity(rows)
+    done = activity(rows, no_work_ns)
     width_m = None if implement is None else implement.width_m
     took = None if width_m is None else area(rows, done, width_m)
     start_ns = int(rows["epoch_ns"][0]) - SECOND_NS // 2

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +20,7 @@ from twin.pipeline.log_check import SteadySlip
 from twin.pipeline.result import Result
 from twin.plugins.percent import MOVING_MPS, percent_note
 from twin.scores import scores
+from twin.scores.log_table import protocol_spans_ns
 from twin.streams import Table
 
 
@@ -58,16 +59,19 @@ def estimate(
         notes=(*log.notes, *done.notes, *([odd] if odd else [])),
         failed=done.failed,
         name=path.resolve().stem,
-        found=beside | findings(log, done.tables, steady),
+        found=beside | findings(log, done.tables, steady, protocol_spans_ns(beside)),
     )
 
 
 def findings(
-    log: Log, estimates: Mapping[str, Table], steady: SteadySlip | None
+    log: Log,
+    estimates: Mapping[str, Table],
+    steady: SteadySlip | None,
+    no_work_ns: Sequence[tuple[int, int]] = (),
 ) -> dict[str, Plain]:
     """The slip of each estimator while driving and, where the map has the rules, steady work."""
     found: dict[str, Plain] = {"slip": {n: slip_summary(t) for n, t in estimates.items()}}
-    found |= drive.findings(log.streams, estimates, log.implement)
+    found |= drive.findings(log.streams, estimates, log.implement, no_work_ns)
     if steady is None:
         return found
     found["steady_slip"] = {n: steady_summary(log, t) for n, t in estimates.items()}

@@ -52,6 +52,7 @@ class Finding:
     found: bool
     starts_s: tuple[float, ...] = ()
     """Since the start of the log."""
+    spans_ns: tuple[Span, ...] = ()
     gives: str
     value: str = ""
     number: float | None = None
@@ -87,7 +88,7 @@ def applied(log: Log) -> tuple[Log, dict[str, Plain]]:
         if spans:
             log, finding = measure(log, speeds, spans, protocol)
             starts_s = tuple((first - start_ns) * 1e-9 for first, _ in spans)
-            finding = replace(finding, starts_s=starts_s)
+            finding = replace(finding, starts_s=starts_s, spans_ns=spans)
         findings.append(finding)
     return log, {"protocol": {"parts": [asdict(f) for f in findings]}}
 
@@ -125,11 +126,12 @@ def _standing(
     }
     if not means:
         at_rest = _rest_speed_mps(speeds, spans)
-        told = "nothing measured" if at_rest is None else f"GNSS {1e3 * at_rest:.0f} mm/s RMS"
+        told = "nothing measured" if at_rest is None else f"GNSS speed {1e3 * at_rest:.0f} mm/s RMS"
         return log, replace(found, value=told)
     moved: Table = {**imu, **{axis: imu[axis] - mean for axis, mean in means.items()}}
     log = replace(log, streams=Streams({**log.streams.tables, "imu": moved}, log.streams.frames))
-    told = " ".join(f"{axis[5]} {math.degrees(v):+.4f}" for axis, v in means.items()) + " °/s"
+    each = " ".join(f"{axis[5]} {math.degrees(v):+.4f}" for axis, v in means.items())
+    told = f"gyro bias {each} °/s"
     yaw = means.get("gyro_z_radps")
     return log, replace(found, value=told, number=yaw, used="taken off the gyro")
 
@@ -154,7 +156,7 @@ def _clock_check(
         lag, where = _lag(speeds, ()), ", over the whole log"
     if not math.isfinite(lag.lag_s):
         return log, replace(found, value="the speeds do not tell it")
-    told = f"{lag.lag_s:+.2f} s (95 %: {lag.low_s:+.2f} to {lag.high_s:+.2f}){where}"
+    told = f"GNSS late by {lag.lag_s:.2f} s (95 %: {lag.low_s:.2f} to {lag.high_s:.2f}){where}"
     found = replace(found, value=told, number=lag.lag_s)
     half_s = 0.5 * (lag.high_s - lag.low_s)
     if half_s > LAG_KNOWN_S or abs(lag.lag_s) <= half_s:
@@ -195,10 +197,10 @@ def _zero_pull(
         return log, replace(found, value="no GNSS and wheels to compare")
     scale = float(np.mean(ratios))
     ways = ", ".join(f"{ratio:.4f}" for ratio in ratios)
-    found = replace(found, value=f"{scale:.4f} (each way {ways})", number=scale)
+    found = replace(found, value=f"{GIVES[Part.ZERO_PULL]} {scale:.4f} ({ways})", number=scale)
     if refusal := _not_used(log, ratios, scale):
         return log, replace(found, used=refusal)
-    proof = "" if protocol.pull_known else ", as no pull is measured: by its place after the check"
+    proof = "" if protocol.pull_known else "; no pull was measured"
     return _scaled(log, scale), replace(found, used=f"wheels times {scale:.4f}{proof}")
 
 
@@ -235,7 +237,8 @@ def _coast_down(
     for way, share in each:
         sides.setdefault(math.cos(way - ahead) > math.cos(OPPOSITE_RAD), []).append(share)
     mean = float(np.mean([np.mean(side) for side in sides.values()]))
-    told = f"{mean:.4f} ({', '.join(f'{share:.4f}' for _, share in each)})"
+    ways = ", ".join(f"{share:.4f}" for _, share in each)
+    told = f"{GIVES[Part.COAST_DOWN]} {mean:.4f} ({ways})"
     if len(sides) < 2:
         told += ", one way only: a slope is in it"
     return log, replace(found, value=told, number=mean)
@@ -265,7 +268,9 @@ def _towed(
     if not ratios:
         return log, replace(found, value="no GNSS and wheels to compare")
     scale = float(np.mean(ratios))
-    return log, replace(found, value=f"{scale:.4f}", number=scale, used="no, zero pull is")
+    return log, replace(
+        found, value=f"{GIVES[Part.TOWED]} {scale:.4f}", number=scale, used="no, zero pull is"
+    )
 
 
 def _ratios(speeds: Streams, spans: Sequence[Span]) -> Iterable[float]:

@@ -92,11 +92,12 @@ def slip_map(rows: Table, done: Activity, high: Sequence[Stretch]) -> Drawing | 
         _numbers(axes, high)
         _extent(axes, east[seen], north[seen])
         axes.set(xlabel="east [m]", ylabel="north [m]")
+        place = axes.inset_axes((0.0, 1.04, 1.0, 0.03))
         assert axes.figure is not None
-        bar: Any = axes.figure.colorbar(
-            drawn, ax=axes, location="top", fraction=0.04, pad=0.03, aspect=45, extend="both"
-        )
+        bar = axes.figure.colorbar(drawn, cax=place, orientation="horizontal", extend="both")
         bar.set_label("slip at work [%]")
+        place.xaxis.set_ticks_position("top")
+        place.xaxis.set_label_position("top")
 
     return Drawing(title="Slip on the field", draw=draw, height_in=4.8, above_in=0.4)
 
@@ -310,7 +311,7 @@ def _limits(axes: Axes, values: Array) -> None:
     known = finite(values)
     if len(known):
         low, high = (float(q) for q in np.quantile(known, (0.01, 0.99)))
-        margin = 0.12 * max(high - low, 0.5)
+        margin = max(0.12 * (high - low), 0.5)
         axes.set_ylim(low - margin, high + margin)
 
 

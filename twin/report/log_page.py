@@ -28,6 +28,7 @@ from twin.scores.log_table import (
     fuel_sentences,
     number,
     protocol_rows,
+    protocol_spans_ns,
     slip_rows,
 )
 from twin.streams import Streams, Table
@@ -127,7 +128,7 @@ def figures(run: RunLike, scores: Mapping[str, Plain]) -> Iterable[Figure]:
     rows = timeline(run.streams, run.estimates.get(str(drive.get("estimator"))))
     if not len(rows["epoch_ns"]):
         return
-    done: Activity = activity(rows)
+    done: Activity = activity(rows, protocol_spans_ns(scores))
     start_ns, high = int(rows["epoch_ns"][0]), highest_slip(rows, done)
     yield "Slip", log_figures.slip(rows, done, shown, start_ns, run.truth), OVER_TIME
     yield "Slip on the field", log_figures.slip_map(rows, done, high), ON_THE_FIELD

@@ -5,7 +5,8 @@ Everything is made of the plain values in scores.json. Slip is in percent on eve
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 
 from twin.io.plain import Plain
 from twin.scores.hours import SHORT_S, hours, hours_seconds
@@ -21,7 +22,7 @@ SLIP_RANKS = {
     "estimator": 0, "rows": 0, "slip median [%]": 0, "5 % [%]": 0, "95 % [%]": 0, "samples": 1,
 }  # fmt: skip
 SLIP_HEADERS = tuple(SLIP_RANKS)
-PROTOCOL_RANKS = {"part": 0, "when [h:mm:ss]": 1, "gives": 0, "value": 0, "used": 0}
+PROTOCOL_RANKS = {"part": 0, "when [h:mm:ss]": 1, "gave": 0, "used": 0}
 PROTOCOL_HEADERS = tuple(PROTOCOL_RANKS)
 PARTS_OF_SLIP = {
     "slip": "while driving", "work_slip": "at work", "steady_slip": "steady, by the map",
@@ -29,14 +30,22 @@ PARTS_OF_SLIP = {
 """Key of what was found -> what its rows are called."""
 
 
+_ZERO = re.compile(r"^-(?=0(\.0+)?(?![\d.]))")
+"""The sign of what rounds to zero."""
 NO_PROTOCOL = (
     "recording protocol: none in this log (it begins with three starts and stops from standstill)"
 )
 
 
+def protocol_spans_ns(scores: Mapping[str, Plain]) -> Sequence[tuple[int, int]]:
+    """First and last instants of every part of the protocol, which is no work."""
+    parts = (scores.get("protocol") or {}).get("parts") or ()
+    return [(int(first), int(last)) for part in parts for first, last in part["spans_ns"]]
+
+
 def number(value: float | None, form: str, scale: float = 1.0) -> str | None:
     """A number as text; None where it is unknown."""
-    return None if value is None else form.format(scale * value)
+    return None if value is None else _ZERO.sub("", form.format(scale * value))
 
 
 def activity_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
@@ -89,8 +98,7 @@ def protocol_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
         [
             part["part"],
             ", ".join(hours_seconds(s) for s in part["starts_s"]) or "-",
-            part["gives"],
-            part["value"] or part["missing"],
+            part["value"] or f"not found: {part['missing']}",
             part["used"] or "-",
         ]
         for part in parts
@@ -162,7 +170,11 @@ def _text(value: float | None, form: str, scale: float = 1.0) -> str:
 
 
 def _between(low: float | None, high: float | None) -> str:
-    return "-" if low is None or high is None else f"{100.0 * low:.1f} to {100.0 * high:.1f}"
+    return (
+        f"{_text(low, '{:.1f}', 100.0)} to {_text(high, '{:.1f}', 100.0)}"
+        if low is not None
+        else "-"
+    )
 
 
 def _percent(of: Mapping[str, Plain], middle: str, low: str, high: str) -> str:
