@@ -72,4 +72,3 @@ def test_what_was_assumed_ends_with_the_notes():
     assert lines[-1] == "last"
     assert any(re.match(r"steady work: slip 7.0 % \(95 %: 5.0 to 8.0 %\)", line) for line in lines)
     assert "Working is work." in lines
-    assert any("recording protocol: none" in line for line in lines)

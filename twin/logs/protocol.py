@@ -57,6 +57,8 @@ COAST_FROM_MPS, COAST_BY_MPS, COAST_S = 2.7, 1.5, 5.0
 """A coast-down begins at least this fast, loses at least so much speed, and takes so long."""
 COAST_MPS2 = (0.05, 1.2)
 """Deceleration of a coast-down: less is a slope, more is a brake [m/s2]."""
+BRAKED_SHARE = 1.4
+"""A coast-down ends where it slows down by so much more than at its start: brakes."""
 IDLE_SHARE = 0.1
 """Engine speed while rolling free is idle to within this."""
 NO_PULL_N, NO_PULL_SHARE = 1000.0, 0.1
@@ -263,13 +265,22 @@ def _coast_downs(motion: _Motion, near: NDArray[np.bool_]) -> list[Run]:
         if motion.idle is not None:
             slowing &= ~(motion.rows["engine_radps"] > (1.0 + IDLE_SHARE) * motion.idle)
     found = []
-    for first, after in stretches(slowing):
+    for first, after in (_before_brakes(motion, run) for run in stretches(slowing)):
         speed = motion.speed[first:after]
         lost = float(speed[0] - speed[-1])
         fast = speed[0] >= COAST_FROM_MPS and lost >= COAST_BY_MPS
         if fast and motion.seconds((first, after)) >= COAST_S and _free(motion, (first, after)):
             found.append((first, after))
     return found
+
+
+def _before_brakes(motion: _Motion, run: Run) -> Run:
+    """A run up to where it slows down clearly more than in its first seconds."""
+    first, after = run
+    begins = motion.time_s[first:after] - motion.time_s[first] < COAST_S
+    usual = float(np.median(motion.accel[first:after][begins]))
+    harder = np.flatnonzero(motion.accel[first:after] < BRAKED_SHARE * usual)
+    return first, first + max(int(harder[0]), 1) if len(harder) else after
 
 
 def _free(motion: _Motion, run: Run) -> bool:

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import theilslopes
 
-from estimators.lag import Lag, gnss_lag
 from twin.io.plain import Plain
 from twin.logs import Log, driven_speed_mps, ground_speed_mps, paired_speeds
 from twin.logs.activity import activity
+from twin.logs.clock_check import MARGIN_S, lags_s
 from twin.logs.protocol import OPPOSITE_RAD, Part, Protocol, Span, find
 from twin.logs.timeline import timeline
 from twin.pipeline.log_check import scaled
@@ -24,8 +24,10 @@ WAYS_DIFFER = 0.03
 """Scales of the two ways that differ by more are not used: slope, wind or a pull is in them."""
 SCALES = (0.8, 1.2)
 """A scale outside these is no rolling radius."""
-LAG_KNOWN_S = 0.2
-"""A lag is used where the interval's half width is below this [s]."""
+LAG_SPREAD_S = 0.15
+"""A lag is used where the starts and stops agree to within this [s]."""
+LEAST_LAG_S = 0.02
+"""A smaller one is none: the samples' own spacing [s]."""
 MOST_SAMPLES = 300
 """Of a coast-down, for the slopes between any two."""
 GIVES = {
@@ -147,37 +149,42 @@ def _rest_speed_mps(speeds: Streams, spans: Sequence[Span]) -> float | None:
 def _clock_check(
     log: Log, speeds: Streams, spans: Sequence[Span], protocol: Protocol
 ) -> tuple[Log, Finding]:
-    """The lag of GNSS speed behind wheel speed in the starts and stops; the GNSS is moved by it."""
+    """The mean lag of the GNSS behind the wheels in the starts and stops; it is moved by it."""
     found = Finding(part=Part.CLOCK_CHECK, found=True, gives=GIVES[Part.CLOCK_CHECK])
     if "gnss" not in speeds or "wheels" not in speeds:
         return log, replace(found, value="no GNSS and wheels to compare")
-    lag, where = _lag(speeds, spans), ""
-    if not math.isfinite(lag.lag_s):
-        lag, where = _lag(speeds, ()), ", over the whole log"
-    if not math.isfinite(lag.lag_s):
-        return log, replace(found, value="the speeds do not tell it")
-    told = f"GNSS late by {lag.lag_s:.2f} s (95 %: {lag.low_s:.2f} to {lag.high_s:.2f}){where}"
-    found = replace(found, value=told, number=lag.lag_s)
-    half_s = 0.5 * (lag.high_s - lag.low_s)
-    if half_s > LAG_KNOWN_S or abs(lag.lag_s) <= half_s:
+    lags = _lags_s(speeds, spans)
+    if not len(lags):
+        return log, replace(found, value="too few samples to tell it")
+    lags = lags[np.isfinite(lags)]
+    if not len(lags):
+        return log, replace(found, value="wheels locked or spun; brake more gently")
+    lag_s, spread_s = float(np.mean(lags)), float(np.ptp(lags))
+    each = ", ".join(f"{lag:.2f}" for lag in lags)
+    found = replace(found, value=f"GNSS late by {lag_s:.2f} s ({each})", number=lag_s)
+    if len(lags) < 2 or spread_s > LAG_SPREAD_S:
+        return log, replace(found, used="no, the starts and stops do not agree")
+    if abs(lag_s) <= max(spread_s, LEAST_LAG_S):
         return log, replace(found, used="no, not apart from zero")
-    moved = Streams(
-        {**log.streams.tables, "gnss": _earlier(log.streams["gnss"], lag.lag_s)}, log.streams.frames
-    )
-    return replace(log, streams=moved), replace(found, used="GNSS epochs moved by it")
+    tables = {**log.streams.tables, "gnss": _earlier(log.streams["gnss"], lag_s)}
+    moved = replace(log, streams=Streams(tables, log.streams.frames))
+    return moved, replace(found, used="GNSS moved by it")
 
 
-def _lag(speeds: Streams, spans: Sequence[Span]) -> Lag:
-    """Within the spans, or over all where there are none."""
-    cut = []
-    for sensor, speed in (
-        ("gnss", ground_speed_mps(speeds)),
-        ("wheels", driven_speed_mps(speeds)),
-    ):
-        table = speeds[sensor]
-        inside = _inside(table, spans) if spans else np.ones(len(speed), np.bool_)
-        cut += [table["epoch_ns"][inside], speed[inside]]
-    return gnss_lag(*cut)
+def _lags_s(speeds: Streams, spans: Sequence[Span]) -> Array:
+    """The lags in all the starts and stops of the spans."""
+    edge_ns = int(MARGIN_S * 1e9)
+    wide = [(first - edge_ns, last + edge_ns) for first, last in spans]
+    ground, driven = ground_speed_mps(speeds), driven_speed_mps(speeds)
+    found = []
+    for span in wide:
+        gnss, wheels = (_inside(speeds[sensor], [span]) for sensor in ("gnss", "wheels"))
+        times = [
+            (speeds[sensor]["epoch_ns"][inside] - span[0]) * 1e-9
+            for sensor, inside in (("gnss", gnss), ("wheels", wheels))
+        ]
+        found.append(lags_s(times[0], ground[gnss], times[1], driven[wheels]))
+    return np.concatenate(found)
 
 
 def _earlier(gnss: Table, lag_s: float) -> Table:

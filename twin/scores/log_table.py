@@ -32,9 +32,6 @@ PARTS_OF_SLIP = {
 
 _ZERO = re.compile(r"^-(?=0(\.0+)?(?![\d.]))")
 """The sign of what rounds to zero."""
-NO_PROTOCOL = (
-    "recording protocol: none in this log (it begins with three starts and stops from standstill)"
-)
 
 
 def protocol_spans_ns(scores: Mapping[str, Plain]) -> Sequence[tuple[int, int]]:
@@ -156,8 +153,6 @@ def assumptions(scores: Mapping[str, Plain]) -> list[str]:
     lines += scale_lines(scores)
     if scores.get("zero_slip"):
         lines.append(scores["zero_slip"])
-    if scores.get("protocol", {}) is None:
-        lines.append(NO_PROTOCOL)
     if drive.get("rule"):
         lines.append(drive["rule"])
     if drive.get("area"):
