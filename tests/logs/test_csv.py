@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from example_log import HEADER, MAP, rows, write, write_map
 
+from twin import cli
 from twin.errors import BadInput
 from twin.logs import read
 from twin.streams import check
@@ -171,3 +172,23 @@ def test_a_reference_keeps_its_rows(tmp_path):
     log = read(write(tmp_path), write_map(tmp_path, text))
     np.testing.assert_allclose(log.reference["slip"], 0.075)
     assert log.reference["epoch_ns"].dtype == np.int64
+
+
+def test_the_command_exports_what_it_estimated(tmp_path, capsys):
+    path, columns = write(tmp_path), write_map(tmp_path)
+    words = ["estimate", str(path), "--map", str(columns), "--estimators", "ratio"]
+    out = ["--out", str(tmp_path / "out"), "--csv", str(tmp_path / "estimates.csv")]
+    assert cli.main([*words, *out]) == 0
+    assert "estimates.csv: time_s is in seconds of the log's own clock" in capsys.readouterr().out
+    header, first, *_ = (tmp_path / "estimates.csv").read_text().splitlines()
+    assert header.startswith('"time_s","estimator",')
+    assert "slip_percent" in header
+    assert first.startswith('0,"ratio",')
+
+
+def test_a_place_that_takes_no_csv_is_refused_before_the_work(tmp_path, capsys):
+    path, columns = write(tmp_path), write_map(tmp_path)
+    words = ["estimate", str(path), "--map", str(columns), "--out", str(tmp_path / "out")]
+    assert cli.main([*words, "--csv", str(tmp_path / "none" / "e.csv")]) == 2
+    assert "--csv" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from twin.logs.geodesy import ecef_m, enu_m
+from twin.logs.geodesy import ecef_m, enu_m, near_deg
 
 
 def test_ecef_of_known_places():
@@ -38,3 +38,12 @@ def test_distance_is_that_of_ecef():
     xyz = ecef_m(lat, lon, h)
     apart = np.linalg.norm(xyz - xyz[0], axis=1)
     np.testing.assert_allclose(np.linalg.norm(enu, axis=1), apart, rtol=1e-9, atol=1e-8)
+
+
+@pytest.mark.parametrize("place_m", [(0.0, 0.0), (300.0, -200.0), (-900.0, 400.0)])
+def test_a_place_near_the_origin_in_degrees(place_m):
+    origin_deg = (45.35, 11.95, 20.0)
+    latitude, longitude = near_deg(*place_m, origin_deg)
+    origin = (*np.radians(origin_deg[:2]), 20.0)
+    east, north, _ = enu_m(np.radians(latitude), np.radians(longitude), np.array(20.0), origin)
+    np.testing.assert_allclose((east, north), place_m, atol=0.2)

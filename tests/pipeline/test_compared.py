@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.logs.test_activity import job
-from tests.report.test_log_page import RUN, SCORES
+from tests.synthetic_log import RUN, SCORES, job
 from tests.synthetic_run import synthetic_run
 from twin import cli
 from twin.io import run_folder
@@ -19,8 +18,6 @@ from twin.io.run_folder import Record
 from twin.pipeline.compared import compared
 from twin.report.compare_page import LOOKS
 from twin.scores import scores as scores_of
-
-HERE = Path
 
 
 def a_log(folder: Path, **changes: Any) -> Path:
@@ -77,7 +74,7 @@ def test_the_command_prints_a_table_within_80_columns_and_writes_a_page(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
-    a_log(HERE("log")), a_run(HERE("run"))
+    a_log(Path("log")), a_run(Path("run"))
     assert cli.main(["compare", "log", "run"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= 80
@@ -92,7 +89,7 @@ def test_json_is_the_comparison(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    a_log(HERE("log")), a_run(HERE("run"))
+    a_log(Path("log")), a_run(Path("run"))
     assert cli.main(["compare", "log", "run", "--json", "--out", "page.html"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["schema"] == 1
@@ -122,14 +119,14 @@ def test_nonsense_is_refused_by_name_and_leaves_nothing(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    a_log(HERE("log")), a_run(HERE("run"))
+    a_log(Path("log")), a_run(Path("run"))
     Path("file.csv").write_text("a,b\n")
     epoch_ns = np.arange(20) * 10**9
     depth = {"epoch_ns": epoch_ns, "arrival_ns": epoch_ns, "laser_m": np.ones(20)}
     blind = type(RUN.streams)({"depth": depth})
-    run_folder.write(Record(setup=RUN.setup, streams=blind, estimates={}), {}, HERE("blind"))
+    run_folder.write(Record(setup=RUN.setup, streams=blind, estimates={}), {}, Path("blind"))
     hollow = Record(setup=RUN.setup, streams=type(RUN.streams)({}), estimates={})
-    run_folder.write(hollow, {}, HERE("hollow"))
+    run_folder.write(hollow, {}, Path("hollow"))
     assert cli.main(["compare", *args]) == 2
     error = capsys.readouterr().err
     assert message in error

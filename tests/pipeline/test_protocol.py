@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.logs.protocol_drive import RADIUS_M, Truth, drive
+from tests.pipeline.protocol_drive import RADIUS_M, Truth, drive
 from twin.errors import BadInput
 from twin.logs import Log, Rule, read
 from twin.logs.column_map import column_map_from

@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from tests.logs.test_activity import job
+from tests.synthetic_log import ESTIMATE, RUN, SCORES, SETUP, STREAMS, job
 from twin.io.run_folder import Record
 from twin.logs.activity import activity
-from twin.logs.job import Implement
 from twin.logs.summary import PULLS, highest_slip
 from twin.logs.timeline import timeline
 from twin.pipeline.drive import findings
@@ -22,17 +21,7 @@ from twin.report import log_figures
 from twin.report.clock import time_axis
 from twin.report.page import drawings, page
 from twin.report.printed import write_print
-from twin.streams import Setup
 
-SETUP = Setup(machine="a <tractor>", wheelbase_m=2.5, track_front_m=1.8, track_rear_m=1.8, cg_x_m=1)
-STREAMS, ESTIMATE, KIND = job(passes=10)
-RUN = Record(setup=SETUP, streams=STREAMS, estimates={"ratio": ESTIMATE})
-SPREAD = {"median": 0.1, "p05": 0.09, "p95": 0.2, "n": 9}
-SCORES = {
-    "scenario": "drive", "seed": None, "window_s": None, "estimators": {"ratio": {}},
-    "slip": {"ratio": SPREAD}, "notes": ["gnss: <gap> of 5 s"],
-    **findings(STREAMS, RUN.estimates, Implement(width_m=3.0)),
-}  # fmt: skip
 PAGE = page(RUN, SCORES)
 
 

@@ -28,6 +28,23 @@ def ecef_m(latitude_rad: Array, longitude_rad: Array, height_m: Array) -> NDArra
     return np.stack([x, y, z], axis=-1)
 
 
+def near_deg(
+    east_m: float, north_m: float, origin_deg: tuple[float, float, float]
+) -> tuple[float, float]:
+    """Latitude and longitude [deg] of a place near an origin (latitude, longitude [deg], height).
+
+    lat = lat0 + n / M,  lon = lon0 + e / (N cos(lat0)),  M, N the radii of curvature: 16 cm off
+    1 km away, and more with its square.
+    """
+    lat, lon, _ = origin_deg
+    sine = np.sin(np.radians(lat))
+    normal_m = SEMI_MAJOR_M / np.sqrt(1.0 - ECCENTRICITY_SQ * sine**2)
+    meridian_m = normal_m * (1.0 - ECCENTRICITY_SQ) / (1.0 - ECCENTRICITY_SQ * sine**2)
+    per_lon_m = normal_m * np.cos(np.radians(lat))
+    north_deg, east_deg = np.degrees((north_m / meridian_m, east_m / per_lon_m))
+    return lat + float(north_deg), lon + float(east_deg)
+
+
 def enu_m(
     latitude_rad: Array,
     longitude_rad: Array,

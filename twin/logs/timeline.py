@@ -157,7 +157,8 @@ def _yaw_rate_radps(streams: Streams, epoch_ns: NDArray[np.int64]) -> NDArray[np
         return np.full(len(epoch_ns), np.nan)
     start_ns = int(epoch_ns[0])
     own_s = (streams["gnss"]["epoch_ns"][known] - start_ns) * 1e-9
-    turned = np.unwrap(angle[known])
+    order = np.argsort(own_s, kind="stable")
+    own_s, turned = own_s[order], np.unwrap(angle[known][order])
     at_s, half_s = (epoch_ns - start_ns) * 1e-9, 0.5 * YAW_WINDOW_S
     ends = [
         between(at_s + side, own_s, turned, longest_s=YAW_WINDOW_S) for side in (-half_s, half_s)

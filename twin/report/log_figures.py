@@ -99,7 +99,7 @@ def slip_map(rows: Table, done: Activity, high: Sequence[Stretch]) -> Drawing | 
         place.xaxis.set_ticks_position("top")
         place.xaxis.set_label_position("top")
 
-    return Drawing(title="Slip on the field", draw=draw, height_in=4.8, above_in=0.4)
+    return Drawing(title="Slip on the field", draw=draw, height_in=4.8, above_in=0.65)
 
 
 def activity_map(rows: Table, done: Activity) -> Drawing | None:

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from twin.io.plain import Plain
 from twin.io.run_folder import Record, RunLike
 from twin.logs.activity import PULLS, Activity, activity
+from twin.logs.geodesy import near_deg
 from twin.logs.summary import highest_slip, pulls
 from twin.logs.timeline import timeline
 from twin.report import log_figures
@@ -33,6 +34,8 @@ from twin.scores.log_table import (
 )
 from twin.streams import Streams, Table
 
+Origin = tuple[float, float, float]
+"""Latitude [deg], longitude [deg], height [m]."""
 Figure = tuple[str, Drawing | None, str]
 """Heading, drawing and caption."""
 OWN = ("Slip", "Path", "Power")
@@ -79,8 +82,8 @@ def headline(scores: Mapping[str, Plain]) -> str:
     return f"<dl>{shown}</dl>" if shown else ""
 
 
-def tables(scores: Mapping[str, Plain]) -> str:
-    """All tables, each with its heading and a sentence."""
+def tables(scores: Mapping[str, Plain], origin_deg: Origin | None = None) -> str:
+    """All tables; places in degrees too where the geodetic origin is known."""
     drive = scores.get("drive") or {}
     parts = []
     if drive.get("shares"):
@@ -89,7 +92,7 @@ def tables(scores: Mapping[str, Plain]) -> str:
     if rows := slip_rows(scores):
         parts.append(_section("Slip by estimator", SLIP_HEADERS, rows, names=2))
     if drive.get("high"):
-        headers, lines = high_rows(drive["high"])
+        headers, lines = high_rows(drive["high"], origin_deg)
         parts.append(_section("Where slip was highest", headers, lines))
         parts.append(
             _paragraphs(
@@ -102,11 +105,14 @@ def tables(scores: Mapping[str, Plain]) -> str:
     return "".join(parts)
 
 
-def high_rows(high: Sequence[Mapping[str, Plain]]) -> tuple[list[str], list[list[str]]]:
+def high_rows(
+    high: Sequence[Mapping[str, Plain]], origin_deg: Origin | None = None
+) -> tuple[list[str], list[list[str]]]:
     """Headers and rows of the stretches with the highest slip."""
     known = [p for p in PULLS if any(s["pull"].get(p.column) is not None for s in high)]
     headers = ["no.", "start [h:mm:ss]", "time [s]", "slip median [%]", "95 % [%]", "speed [km/h]"]
     headers += [f"{p.name} [{p.unit}]" for p in known] + ["east [m]", "north [m]"]
+    headers += [] if origin_deg is None else ["latitude, longitude [°]"]
     rows = [
         [
             str(i), hours_seconds(s["start_s"]), f"{s['duration_s']:.0f}",
@@ -115,10 +121,21 @@ def high_rows(high: Sequence[Mapping[str, Plain]]) -> tuple[list[str], list[list
             number(s["speed_kmh"], "{:.1f}") or "-",
             *(number(s["pull"].get(p.column), "{:.3g}", p.scale) or "-" for p in known),
             number(s["east_m"], "{:.0f}") or "-", number(s["north_m"], "{:.0f}") or "-",
+            *_place(s, origin_deg),
         ]
         for i, s in enumerate(high, 1)
     ]  # fmt: skip
     return headers, rows
+
+
+def _place(stretch: Mapping[str, Plain], origin_deg: Origin | None) -> list[str]:
+    """Latitude and longitude, where there are any."""
+    if origin_deg is None:
+        return []
+    if stretch["east_m"] is None or stretch["north_m"] is None:
+        return ["-"]
+    latitude, longitude = near_deg(stretch["east_m"], stretch["north_m"], origin_deg)
+    return [f"{latitude:.5f}, {longitude:.5f}"]
 
 
 def figures(run: RunLike, scores: Mapping[str, Plain]) -> Iterable[Figure]:

@@ -55,7 +55,7 @@ def page(run: RunLike, scores: Mapping[str, Plain], command: str = "") -> str:
         log_page.headline(scores) if run.scenario is None else "",
         _driven(scores.get("truth") or {}),
         _headline(scores),
-        log_page.tables(scores) if run.scenario is None else "",
+        log_page.tables(scores, run.setup.origin) if run.scenario is None else "",
         figures_of(
             (title, drawn.svg(), caption)
             for title, drawn, caption in _figures(run, scores)
