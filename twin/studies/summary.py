@@ -2,7 +2,7 @@
 
     mean -+ t(0.975, n - 1) sd / sqrt(n)
 
-The interval of what cannot be negative, as an RMSE, ends at 0.
+The lower end of the interval is at least 0 for what cannot be negative, as an RMSE.
 
 Runs that failed are left out and counted. Runs that were not driven as planned are counted, and
 stand in the means with what was scored of them.
@@ -70,7 +70,7 @@ class Group:
 
 @dataclass(frozen=True)
 class Mean:
-    """A mean of `n` values and its 95 % interval; from a single value the interval is unknown."""
+    """Mean of `n` values and its 95 % interval: NaN from one value, the mean too from none."""
 
     mean: float
     low: float
