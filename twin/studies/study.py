@@ -53,6 +53,8 @@ def study(
 ) -> Study:
     """Scenarios x sweeps x seeds, every estimator on each; a stopped study can be continued.
 
+    There is an argument for each option of `twin study`, which is this function's command line.
+
     Args:
         scenarios, estimators: names, or `module:Name` of your own.
         out: folder of the study; what is done there is not done again.
