@@ -1,4 +1,4 @@
-"""The filter of Zhang (2018) with the accelerometer its paper names and leaves out."""
+"""The filter of Zhang (2018), and the accelerometer that the paper names without an equation."""
 
 from __future__ import annotations
 
@@ -99,7 +99,8 @@ class FourState:
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
         """The state after the chunk, and a table with one row per accepted wheel sample.
 
-        A wheel sample that is out of order, or over 5 s older than the newest sample, gives no row.
+        A wheel sample that is not newer than the last one, or over 5 s older than the newest sample
+        of any sensor, gives no row.
         """
         return advance(_loop, state, chunk)
 

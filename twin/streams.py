@@ -111,6 +111,7 @@ class ImuSetup:
 
     rate_hz: float
     lever_arm_m: tuple[float, float, float]
+    """Unit, body axes, from the rear-axle centre."""
     gyro_noise_radps_rthz: float
     accel_noise_mps2_rthz: float
     gyro_bias_sd_radps: float

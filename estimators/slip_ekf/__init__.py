@@ -1,8 +1,8 @@
-"""Slip from the two speeds of an extended Kalman filter of all streams, and its offline twin.
+"""Slip from the two speeds of an extended Kalman filter of all streams, and its smoother.
 
 Source of the structure: slip estimated beside the speed it couples to (Berntorp 2016, IEEE TCST 24,
 1020; Kilic et al. 2021, RA-L), here by the wheels' own speed as a state, see `model`; the gate of
-chi-square; gravity's leak and the radius as states.
+chi-square; the part of gravity in the acceleration and the radius as states.
 """
 
 from __future__ import annotations
@@ -154,7 +154,8 @@ class SlipEkf:
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
         """The state after the chunk, and a table with one row per accepted wheel sample.
 
-        A wheel sample that is out of order, or over 5 s older than the newest sample, gives no row.
+        A wheel sample that is not newer than the last one, or over 5 s older than the newest sample
+        of any sensor, gives no row.
         """
         reader, samples = signals.read(state.reader, chunk, USED)
         lift, raised = lifted(state.lift, chunk)

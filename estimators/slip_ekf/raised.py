@@ -1,4 +1,4 @@
-"""The zero condition: when is the plough out of the ground?"""
+"""When is the plough out of the ground? There the filter assumes almost no slip."""
 
 from __future__ import annotations
 
@@ -33,13 +33,15 @@ def start(setup: Setup) -> Lift:
 
 
 def lifted(lift: Lift, chunk: Streams) -> tuple[Lift, NDArray[np.float64]]:
-    """Whether the plough was out of the ground as far as known when each sample arrived.
+    """For each sample: was the plough out of the ground, by the depth samples that had arrived?
 
-    depth = zero - laser cos(inclination)
+    depth = zero_m - laser cos(inclination)
+
+    Out of the ground: depth < CLEAR_M. In it: depth > DOWN_M.
 
     Returns:
         What is known after the chunk, and one value per sample of USED in order of
-        arrival: 1 out of the ground, 0 in it, NaN unknown.
+        arrival: 1 out of the ground, 0 in it, NaN between the two or if no depth is known yet.
     """
     used = Streams({s: chunk[s] for s in (*USED, "depth") if s in chunk})
     if "depth" not in used or not len(used["depth"]["epoch_ns"]):

@@ -26,7 +26,7 @@ from twin.io.plain import Plain
 from twin.pipeline import named as registry
 from twin.plugins.lookup import Thing
 from twin.scores.table import COVERAGE
-from twin.studies.study import PARTS, PLAN, SUMMARY, TABLE, begin, finished
+from twin.studies.study import PARTS, PLAN, SUMMARY, TABLE
 from twin.studies.summary import differences_to, mean_of
 
 if TYPE_CHECKING:
@@ -115,16 +115,29 @@ def main(args: Sequence[str]) -> int:
             say(f"left out: {text}", style="dim")
     plain = "+".join(re.sub(r"[:/\\]+", "-", name).strip("-") for name in names)
     folder = options.out or Path("studies") / plain
-    begin(folder, list(args))
+    backend_options = [text.partition("=") for text in options.backend_option]
     try:
         with progress(f"{len(cases)} runs", shown=options.talks) as told:
-            _work(cases, folder, options, told)
+            done = study.study(
+                names,
+                estimators,
+                out=folder,
+                seeds=seeds,
+                sweeps=sweeps,
+                against=options.against,
+                jobs=options.jobs,
+                backend=options.backend,
+                options={name: value for name, _, value in backend_options},
+                retry_failed=options.retry_failed,
+                asked=list(args),
+                progress=told,
+            )
     except KeyboardInterrupt:
         left = len(study.missing(cases, folder / PARTS))
-        done = f"{len(cases) - left} of {len(cases)} runs are in {folder}"
-        say(f"twin: interrupted; {done}, the same command continues the study", stderr=True)
+        there = f"{len(cases) - left} of {len(cases)} runs are in {folder}"
+        say(f"twin: interrupted; {there}, the same command continues the study", stderr=True)
         return INTERRUPTED
-    _finish(cases, folder, list(sweeps), options)
+    _finish(done, options)
     return 0
 
 
@@ -176,25 +189,8 @@ def _split(args: Sequence[str]) -> tuple[list[str], Sequence[str]]:
     return _listed("twin study", args[0]), args[1:]
 
 
-def _work(cases: Sequence[Any], folder: Path, options: Study, told: Any) -> None:
-    from twin import studies as study
-
-    if options.retry_failed:
-        for path in study.failed(cases, folder / PARTS):
-            path.unlink()
-    pairs = [text.partition("=") for text in options.backend_option]
-    study.work(
-        cases,
-        folder / PARTS,
-        jobs=options.jobs,
-        backend=options.backend,
-        options={name: value for name, _, value in pairs},
-        progress=told,
-    )
-
-
-def _finish(cases: Sequence[Any], folder: Path, swept: list[str], options: Study) -> None:
-    done = finished(cases, folder, swept, options.against)
+def _finish(done: Done, options: Study) -> None:
+    folder = done.folder
     deliver(done.summary, options.json)
     early = done.not_driven
     drawn = [*_draw(done.groups, folder, options.figures), *_report(done, options.against)]
@@ -205,11 +201,11 @@ def _finish(cases: Sequence[Any], folder: Path, swept: list[str], options: Study
     for text in dict.fromkeys(f"{r['scenario']}, {r['estimator']}: {r['error']}" for r in failed):
         say(f"failed: {text}", style="dim")
     for text in early[:EARLY_SHOWN]:
-        say(f"not driven: {text}", style="red")
+        say(f"ended early: {text}", style="red")
     if len(early) > EARLY_SHOWN:
         say(f"and {len(early) - EARLY_SHOWN} more, in {TABLE}", style="red")
     files = ", ".join(str(folder / name) for name in (TABLE, SUMMARY, *drawn))
-    say(f"{len(cases)} runs; {files}")
+    say(f"{len(done.cases)} runs; {files}")
 
 
 def _report(done: Done, against: str | None) -> list[str]:
@@ -286,7 +282,7 @@ def print_means(groups: Sequence[Group], against: str | None = None) -> None:
     ]
     for heading, counted in (
         ("failed", [group.failed for group in groups]),
-        ("not driven", [group.not_driven for group in groups]),
+        ("ended early", [group.not_driven for group in groups]),
     ):
         if any(counted):
             columns.append(Column(heading=heading, cells=[str(n or "") for n in counted]))

@@ -46,7 +46,7 @@ class Column:
 
     @property
     def needed(self) -> int:
-        """Width below which another column is left out instead."""
+        """Least width [characters]; where those of all columns do not fit, a column is left out."""
         if self.text:
             return max(self.narrowest, min(self.widest, COMFORTABLE))
         return max(map(cell_len, (*self.heading.split(), *self.cells)))

@@ -87,11 +87,14 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
         return self.seen.copy(), infos
 
     def step(self, actions: NDArray[np.float32]) -> Stepped:
-        """Drive all tractors for 20 ms; the autoreset mode resets ended episodes.
+        """Drive all tractors for 20 ms.
+
+        An ended episode is reset in this step (SAME_STEP), in the next one (NEXT_STEP, which
+        ignores its action and gives reward 0), or by `reset` alone (DISABLED).
 
         Raises:
             BadInput: actions of the wrong shape, or not finite.
-            Diverged: a state is not finite, or MuJoCo warned; reset to go on.
+            Diverged: a state is not finite, or MuJoCo warned; reset all tractors to go on.
             ResetNeeded: a tractor needs a reset first.
         """
         taken = checked(actions, (self.num_envs,), self.episodes.actions_named)
@@ -145,7 +148,10 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
                 f"give shape ({self.num_envs},) with one true at least"
             )
         if not (self.running or mask.all()):
-            raise BadInput("option reset_mask before the first reset of all; reset all once")
+            raise BadInput(
+                "option reset_mask leaves out tractors without a state: none was reset yet, or "
+                "the last step failed; reset all"
+            )
         return mask
 
     def _seed(self, seed: int | Sequence[int | None] | None, mask: NDArray[np.bool_]) -> None:

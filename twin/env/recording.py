@@ -34,11 +34,11 @@ class Recording(Wrapper[Observation, NDArray[np.float32], Observation, NDArray[n
     env = Recording(gymnasium.make("twin.env:Plough-v0"), Path("episodes"))
     ```
 
-    An episode is written when it has ended, and one not ended at the next reset or `close`.
+    An episode is written when it ends, or at the next reset or `close` if it has not ended.
     """
 
     def __init__(self, env: Env[Observation, NDArray[np.float32]], directory: Path) -> None:
-        """Args: env: one tractor's, of either id. directory: made where there is none."""
+        """Args: env: Plough-v0 or WheelSlip-v0 with one tractor. directory: created if missing."""
         super().__init__(env)
         self.single: SingleEnv = env.unwrapped  # type: ignore[assignment]
         self.directory, self.number = directory, 0

@@ -19,7 +19,7 @@ _COMPASS = ("course_rad", "heading_rad")
 
 
 class Nmea(Reader):
-    """NMEA 0183, which names its own quantities."""
+    """Reads NMEA 0183. The format says what each value is, so a map needs only `[setup]`."""
 
     name = "NMEA"
 

@@ -21,6 +21,8 @@ DEFAULT_ESTIMATORS = ("ratio", "four-state")
 def load(name: str | Path, overrides: Mapping[str, object] | None = None) -> Scenario | Measured:
     """A scenario by name, with some of its fields replaced.
 
+    `Measured` is a scenario without a machine: it gives signals and their truth itself.
+
     Args:
         name: a name that `twin list` shows, `module:Name` of your own, or the folder of a run.
         overrides: field by dotted path -> its value: `{"soil.friction": 0.8, "seed": 3}`.
@@ -55,13 +57,14 @@ def run(
         scenario: a scenario, or what `twin.load` takes.
         estimators: names, your own objects with `init` and `run`, or both; or a mapping by name.
         seed: of everything random, in place of the scenario's.
-        progress: told the share of the course driven, 0 to 1, and the time driven [s].
+        progress: called with the share of the course driven, 0 to 1, and the time driven [s].
         frames: folder where the camera's frames are saved as PNG.
 
     Raises:
-        BadInput: a field is set that the run would not read, or a name is unknown. An estimator
-            that fails gives NaN and stands in `Result.failed`.
-        Diverged: the simulation left the finite numbers.
+        BadInput: a field is set that has no effect in this run, or a name is unknown.
+        Diverged: a value of the simulation became NaN or too large.
+
+    An estimator that fails stops nothing: its estimates are NaN, and `Result.failed` says why.
 
     Example:
         >>> twin.run("plough-25cm", ["ratio"]).scores["estimators"]["ratio"]  # doctest: +SKIP
@@ -91,7 +94,7 @@ def estimate(
         reader: what reads the log, or its name, as `twin.logs.READERS` has it or `module:Name`.
 
     Raises:
-        BadInput: the log or the map cannot be used; says which value, and what would do.
+        BadInput: the log or the map cannot be used; the message names the value.
 
     Example:
         >>> twin.estimate("field.csv", "field.toml").estimates["ratio"]["slip"]  # doctest: +SKIP

@@ -1,4 +1,4 @@
-"""Drawing the figures of a report: the figure itself, and lines of tables over time.
+"""Drawing the figures of a report: the figure itself, and curves of table columns over time.
 
 Truth is black, estimators have the colour-blind safe palette.
 """
@@ -211,7 +211,7 @@ def line(
 
 
 def columns(truth: Table | None, estimates: Estimates, column: str) -> list[Array]:
-    """A column of every table that has it."""
+    """A column of every table that has it, truth first."""
     tables = [t for t in (truth, *estimates.values()) if t is not None]
     return [t[column] for t in tables if column in t]
 

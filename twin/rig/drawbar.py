@@ -72,11 +72,11 @@ def drawbar(
     most_slip: float = 0.40,
     gear: Drive | None = None,
 ) -> DrawbarCurve:
-    """Pull against slip of the tractor by loads that are held; rear-wheel drive, lock engaged.
+    """Pull of the tractor over slip, under constant loads; rear-wheel drive, lock engaged.
 
-    The pull is horizontal, against the course. Each is held for a second and then for 5 s over
-    which it is read, and held on while the speed of its two halves differs: nothing that the
-    tractor stores counts as work. The test ends at `most_slip`, where the tractor does not hold a
+    The pull is horizontal, against the course. A load acts for 1 s and is then measured over 5 s.
+    If speed or slip differs between the two halves of the 5 s, they are repeated, so that stored
+    energy does not count as work. The test ends at `most_slip`, where the tractor does not hold a
     load, or where its front axle lifts.
 
     Args:
@@ -85,7 +85,7 @@ def drawbar(
         first_n: the first load [N].
         step_n: load from one point to the next [N].
         most_slip: slip at which the test ends.
-        gear: gear and governor setting; None for a scenario's.
+        gear: gear and governor setting; None for those of `Drive()`.
 
     Raises:
         OutOfRange: an argument outside what can be tested.

@@ -43,7 +43,7 @@ def park(
     grade_deg: ArrayLike = 0.0,
     parked_s: float = PARKED_S,
 ) -> Creep:
-    """Park the tractor, brakes on, clutch out, on each slope; the arguments broadcast.
+    """Park the tractor, brakes on, clutch disengaged, on each slope; the arguments broadcast.
 
     Raises:
         OutOfRange: a slope beyond what a scenario may have.

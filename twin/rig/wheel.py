@@ -127,7 +127,7 @@ def wheel(
 
     Raises:
         OutOfRange, BadInput: an argument outside what can be imposed.
-        NotSteady: a point did not come to rest.
+        NotSteady: a point did not reach a steady state.
     """
     sizes = tyre.sizes()
     s, angle, load = _points(slip, slip_angle_rad, load_n)

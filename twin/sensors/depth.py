@@ -36,7 +36,7 @@ class Depth:
     latency_s: Annotated[float, Range(0, 1)] = 0.005
     """From measuring to arrival, s."""
     latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.0005
-    """Scale of the latency's scatter, s."""
+    """Random part of the latency: this times |N(0, 1)|, s."""
     laser_bias_m: Annotated[float, Range(-0.5, 0.5)] = 0.0
     """True error of the range, m."""
     inclination_bias_rad: Annotated[float, Range(-0.2, 0.2)] = 0.0

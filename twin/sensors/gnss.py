@@ -32,7 +32,7 @@ class Gnss:
     latency_s: Annotated[float, Range(0, 5)] = 0.05
     """From the epoch to arrival, s; 20 ms in a low-latency mode, up to 0.5 s synchronous."""
     latency_jitter_s: Annotated[float, Range(0, 1)] = 0.002
-    """Scale of the latency's scatter, s."""
+    """Random part of the latency: this times |N(0, 1)|, s."""
     white_sd_m: Annotated[float, Range(0, 10)] = 0.004
     """White part of a fixed position, m; 3-5 mm."""
     coloured_sd_m: Annotated[float, Range(0, 10)] = 0.0065

@@ -58,7 +58,7 @@ class Imu:
     latency_s: Annotated[float, Range(0, 1)] = 0.002
     """From conversion to arrival, beside the filter's delay, s."""
     latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.0002
-    """Scale of the latency's scatter, s."""
+    """Random part of the latency: this times |N(0, 1)|, s."""
     gyro_noise_radps_rthz: Annotated[float, Range(0, 1)] = radians(0.005)
     """White noise N of the gyroscopes: Allan deviation N / sqrt(tau); angle random walk."""
     accel_noise_mps2_rthz: Annotated[float, Range(0, 10)] = 350e-6 * STANDARD_GRAVITY_MPS2
@@ -76,7 +76,7 @@ class Imu:
     scale_sd: Annotated[float, Range(0, 0.1)] = 1e-3
     """sd of the scale error of each axis, drawn once from the seed; assumed, calibrated unit."""
     mounting_sd_rad: Annotated[float, Range(0, 0.5)] = radians(0.2)
-    """sd of each mounting angle, drawn once from the seed, rad; assumed, fitted with a square."""
+    """sd of each mounting angle, drawn once from the seed, rad; assumed, set with a square."""
     gyro_range_radps: Annotated[float, Range(0.1, 100)] = radians(250.0)
     """Full scale, rad/s; with 16 bits the resolution is range / 32768."""
     accel_range_mps2: Annotated[float, Range(10, 1000)] = 4.0 * STANDARD_GRAVITY_MPS2

@@ -42,7 +42,7 @@ class Bus:
     latency_s: Annotated[float, Range(0, 1)] = 0.01
     """From measuring to arrival, s."""
     latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.002
-    """Scale of the latency's scatter, s."""
+    """Random part of the latency: this times |N(0, 1)|, s."""
     reference_torque_nm: Annotated[float, Range(1, 10_000)] = 600.0
     """Torque that is a load of 1, N m (SPN 544)."""
     lower_link_m: Annotated[float, Range(0.05, 2)] = 0.9

@@ -12,12 +12,13 @@ missing, and nothing is kept in memory.
 """
 
 from twin.studies.plan import Case, left_out, plan
+from twin.studies.study import study
 from twin.studies.summary import Group, early_ends, groups, quantities, rows
 from twin.studies.table import failed, read, write_table
 from twin.studies.work import missing, work
 
 __all__ = [
     "Case", "Group", "early_ends", "failed", "groups", "left_out", "missing", "plan",
-    "quantities", "read",
-    "rows", "work", "write_table",
+    "quantities", "read", "rows",
+    "study", "work", "write_table",
 ]  # fmt: skip
