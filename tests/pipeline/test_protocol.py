@@ -8,7 +8,7 @@ from tests.pipeline.protocol_drive import RADIUS_M, Truth, drive
 from twin.errors import BadInput
 from twin.logs import Log, Rule, read
 from twin.logs.column_map import column_map_from
-from twin.logs.protocol import Part, written_from
+from twin.logs.protocol_parts import Part, written_from
 from twin.pipeline.protocol import applied
 from twin.streams import Streams
 

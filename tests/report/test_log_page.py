@@ -17,7 +17,7 @@ from twin.logs.activity import activity
 from twin.logs.summary import PULLS, highest_slip
 from twin.logs.timeline import timeline
 from twin.pipeline.drive import findings
-from twin.report import log_figures
+from twin.report import log_figures, log_maps
 from twin.report.clock import time_axis
 from twin.report.page import drawings, page
 from twin.report.printed import write_print
@@ -87,7 +87,7 @@ def test_maps_have_one_scale() -> None:
 def test_the_map_shows_the_field_and_not_the_road() -> None:
     rows = timeline(STREAMS, ESTIMATE)
     done = activity(rows)
-    axes = axes_of(log_figures.slip_map(rows, done, highest_slip(rows, done)))[0]
+    axes = axes_of(log_maps.slip_map(rows, done, highest_slip(rows, done)))[0]
     work_east = rows["east_m"][done[0]]
     west, east = axes.get_xlim()
     assert west < work_east.min() + 20.0
@@ -106,7 +106,7 @@ def test_no_line_crosses_a_gap_of_a_map_or_over_time() -> None:
     keep = (np.arange(len(rows["epoch_ns"])) < 300) | (np.arange(len(rows["epoch_ns"])) > 500)
     cut = {name: column[keep] for name, column in rows.items()}
     done = activity(cut)
-    path = axes_of(log_figures.activity_map(cut, done))[0]
+    path = axes_of(log_maps.activity_map(cut, done))[0]
     for line in path.get_lines():
         x, y = (np.asarray(v, float) for v in line.get_data())
         if line.get_linestyle() != "None":

@@ -18,7 +18,8 @@ from twin.commands.terminal import say
 from twin.io.atomic import made
 
 if TYPE_CHECKING:
-    from twin.pipeline.compared import Compared, Drive, Row
+    from twin.pipeline.compared import Compared, Row
+    from twin.pipeline.compared_drives import Drive
 
 HEADERS = ("quantity", "A", "B", "B - A")
 

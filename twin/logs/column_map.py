@@ -27,7 +27,7 @@ from pathlib import Path
 from twin.errors import BadInput, UnknownName
 from twin.logs.cells import TIMESTAMP
 from twin.logs.job import Implement, implement_from
-from twin.logs.protocol import KEYS, Part, Times, written_from
+from twin.logs.protocol_parts import KEYS, Part, Times, written_from
 from twin.logs.quantities import QUANTITIES
 from twin.logs.rules import Rule
 from twin.logs.setup_block import setup_from

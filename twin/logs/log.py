@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from twin.logs.job import Implement
-from twin.logs.protocol import Part, Times
+from twin.logs.protocol_parts import Part, Times
 from twin.logs.rules import Rule
 from twin.streams import Setup, Streams, Table
 

@@ -12,7 +12,7 @@ from twin import logs
 from twin.io import run_folder
 from twin.io.plain import Plain
 from twin.logs import Log, Reader
-from twin.logs.protocol import Part
+from twin.logs.protocol_parts import Part
 from twin.pipeline import drive, log_check, protocol
 from twin.pipeline.drive import spread
 from twin.pipeline.estimating import Estimator, all_estimates

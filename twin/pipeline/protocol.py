@@ -14,7 +14,8 @@ from twin.io.plain import Plain
 from twin.logs import Log, driven_speed_mps, ground_speed_mps, paired_speeds
 from twin.logs.activity import activity
 from twin.logs.clock_check import MARGIN_S, lags_s
-from twin.logs.protocol import OPPOSITE_RAD, Part, Protocol, Span, find
+from twin.logs.protocol import OPPOSITE_RAD, Protocol, Span, find
+from twin.logs.protocol_parts import Part
 from twin.logs.timeline import timeline
 from twin.pipeline.log_check import scaled
 from twin.streams import Array, Setup, Streams, Table

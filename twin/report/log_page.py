@@ -15,7 +15,7 @@ from twin.logs.activity import PULLS, Activity, activity
 from twin.logs.geodesy import near_deg
 from twin.logs.summary import highest_slip, pulls
 from twin.logs.timeline import timeline
-from twin.report import log_figures
+from twin.report import log_figures, log_maps
 from twin.report.clock import clocked
 from twin.report.draw import Drawing, Estimates
 from twin.report.html import table
@@ -148,8 +148,8 @@ def figures(run: RunLike, scores: Mapping[str, Plain]) -> Iterable[Figure]:
     done: Activity = activity(rows, protocol_spans_ns(scores))
     start_ns, high = int(rows["epoch_ns"][0]), highest_slip(rows, done)
     yield "Slip", log_figures.slip(rows, done, shown, start_ns, run.truth), OVER_TIME
-    yield "Slip on the field", log_figures.slip_map(rows, done, high), ON_THE_FIELD
-    yield "Path", log_figures.activity_map(rows, done), "East and north have one scale."
+    yield "Slip on the field", log_maps.slip_map(rows, done, high), ON_THE_FIELD
+    yield "Path", log_maps.activity_map(rows, done), "East and north have one scale."
     for pull in pulls(rows):
         caption = "At work. Bins of equal count."
         yield f"Slip against {pull.name}", log_figures.slip_against(rows, done, pull), caption
