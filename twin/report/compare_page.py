@@ -102,23 +102,20 @@ def _each(sides: tuple[Side, Side]) -> Iterable[tuple[Side, str, str, str]]:
 
 
 def _over_time(sides: tuple[Side, Side], where: str) -> Drawing | None:
-    """Slip over the time that is compared, one row after the other; breaks in it stay open."""
+    """Slip over the time that is compared, breaks left out; dots, so that no line crosses one."""
     if any(not len(_values(side, "slip")[0]) for side in sides):
         return None
 
     def draw(axes: Axes) -> None:
-        levels = []
-        for side, name, colour, style in _each(sides):
+        ends = []
+        for side, name, colour, _ in _each(sides):
             time_s = np.cumsum(side.rows["duration_s"][side.chosen])
-            breaks = np.flatnonzero(np.diff(np.flatnonzero(side.chosen)) > 1) + 1
-            slip = np.insert(100.0 * side.rows["slip"][side.chosen], breaks, np.nan)
-            time_s = np.insert(time_s, breaks, time_s[breaks])
+            slip = 100.0 * side.rows["slip"][side.chosen]
             middle, level, *_ = blocks(time_s, slip, float(time_s[-1]))
-            axes.plot(middle, level, style, color=colour, lw=0.9, marker=".", ms=1.5, label=name)
-            levels.append(finite(level))
-        low, high = np.quantile(np.concatenate(levels), (0.01, 0.99))
-        margin = 0.15 * max(high - low, 1.0)
-        axes.set_ylim(low - margin, high + margin)
+            axes.plot(middle, level, ".", color=colour, ms=3.0, label=name)
+            ends += list(np.quantile(finite(level), (0.01, 0.99)))
+        margin = 0.15 * max(max(ends) - min(ends), 1.0)
+        axes.set_ylim(min(ends) - margin, max(ends) + margin)
         axes.set(xlabel=f"time {where} [s]", ylabel="slip [%]")
 
     return Drawing(title="Slip of both over time", draw=draw, columns=2)
