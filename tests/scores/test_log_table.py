@@ -70,5 +70,8 @@ def test_what_was_assumed_ends_with_the_notes():
     }  # fmt: skip
     lines = assumptions({"drive": DRIVE, "steady": steady, "notes": ["last"], "protocol": None})
     assert lines[-1] == "last"
-    assert any(re.match(r"steady work: slip 7.0 % \(95 %: 5.0 to 8.0 %\)", line) for line in lines)
+    assert any(
+        re.match(r"steady work: median slip 7.0 % \(95 % interval: 5.0 to 8.0 %\)", line)
+        for line in lines
+    )
     assert "Working is work." in lines

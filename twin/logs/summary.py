@@ -49,6 +49,7 @@ class Share:
     slip_n: int
     """Rows with a slip, about one a second."""
     engine_rpm: Number
+    """Mean while the engine runs, as is the load."""
     engine_load: Number
     fuel_lph: Number
     fuel_l: Number
@@ -133,7 +134,8 @@ def pulls(rows: Table) -> list[Pull]:
 
 
 def _share(name: str, rows: Table, chosen: Rows) -> Share:
-    rpm = _mean(rows, "engine_radps", chosen)
+    running = chosen & (rows["engine_radps"] > 0.0) if "engine_radps" in rows else chosen
+    rpm = _mean(rows, "engine_radps", running)
     return Share(
         activity=name,
         time_s=float(rows["duration_s"][chosen].sum()),
@@ -141,7 +143,7 @@ def _share(name: str, rows: Table, chosen: Rows) -> Share:
         speed_kmh=_scaled(_mean(rows, "speed_mps", chosen), 3.6),
         **slip_spread(rows, chosen),
         engine_rpm=_scaled(rpm, RPM),
-        engine_load=_mean(rows, "engine_load", chosen),
+        engine_load=_mean(rows, "engine_load", running),
         fuel_lph=_mean(rows, "fuel_lph", chosen),
         fuel_l=_total(rows, "fuel_lph", chosen, 1.0 / 3600.0),
     )

@@ -82,7 +82,13 @@ def slip_against(rows: Table, done: Activity, pull: Pull) -> Drawing | None:
         )  # fmt: skip
         middle, level, below, above = binned(at, values)
         bars: Any = {"fmt": "o-", "color": COLOURS[WORKING], "ms": 4.0, "lw": 1.1, "capsize": 2.5}
-        axes.errorbar(middle, level, (level - below, above - level), label="median, 5-95 %", **bars)
+        axes.errorbar(
+            middle,
+            level,
+            (level - below, above - level),
+            label="median, 5th to 95th percentile",
+            **bars,
+        )
         _limits(axes, values)
         axes.set(xlabel=f"{pull.name} [{pull.unit}]", ylabel="slip at work [%]")
 

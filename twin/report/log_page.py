@@ -46,7 +46,10 @@ OVER_SECONDS = (
 """Figures of a run with time on their abscissa."""
 
 TINTS = "Tint: green works, amber turns, blue is road or empty, white stands."
-OVER_TIME = "Medians of short blocks of time, with 5 to 95 % as the band. Gaps stay open. " + TINTS
+OVER_TIME = (
+    "Medians of blocks of time, an 800th of the log each, with the 5th to 95th percentile as the "
+    "band. Gaps stay open. " + TINTS
+)
 ON_THE_FIELD = (
     "Each dot is a second at work, its slip the median of 5 s. The numbers are the stretches with "
     "the highest slip, as in the table. Grey: the rest of the path. East and north have one scale."
@@ -69,8 +72,8 @@ def headline(scores: Mapping[str, Plain]) -> str:
     work, whole, took = of.get("working", {}), of.get("all", {}), drive.get("area") or {}
     items = [
         ("At work", _duration(work["time_s"]) if work else None),
-        ("Slip at work", number(work.get("slip_median"), "{:.1f} %", 100.0)),
-        ("of which 5-95 %", _spread(work)),
+        ("Median slip at work", number(work.get("slip_median"), "{:.1f} %", 100.0)),
+        ("5th to 95th percentile", _spread(work)),
         ("Speed at work", number(work.get("speed_kmh"), "{:.1f} km/h")),
         ("Distance", number(whole.get("distance_m"), "{:.2f} km", 1e-3)),
         ("Area", number(took.get("area_ha"), "{:.2f} ha")),
@@ -110,7 +113,14 @@ def high_rows(
 ) -> tuple[list[str], list[list[str]]]:
     """Headers and rows of the stretches with the highest slip."""
     known = [p for p in PULLS if any(s["pull"].get(p.column) is not None for s in high)]
-    headers = ["no.", "start [h:mm:ss]", "time [s]", "slip median [%]", "95 % [%]", "speed [km/h]"]
+    headers = [
+        "no.",
+        "start [h:mm:ss]",
+        "time [s]",
+        "median slip [%]",
+        "95th percentile [%]",
+        "speed [km/h]",
+    ]
     headers += [f"{p.name} [{p.unit}]" for p in known] + ["east [m]", "north [m]"]
     headers += [] if origin_deg is None else ["latitude, longitude [°]"]
     rows = [
@@ -151,7 +161,10 @@ def figures(run: RunLike, scores: Mapping[str, Plain]) -> Iterable[Figure]:
     yield "Slip on the field", log_maps.slip_map(rows, done, high), ON_THE_FIELD
     yield "Path", log_maps.activity_map(rows, done), "East and north have one scale."
     for pull in pulls(rows):
-        caption = "At work. Bins of equal count."
+        caption = (
+            "At work. Bins of equal count. Activities last 10 s at least, so that work holds "
+            "single seconds of low load."
+        )
         yield f"Slip against {pull.name}", log_figures.slip_against(rows, done, pull), caption
     told = f"By {drive.get('estimator')}, about a value a second."
     yield "Distribution of slip", log_figures.histogram(rows, done), told

@@ -13,19 +13,21 @@ from twin.scores.hours import SHORT_S, hours, hours_seconds
 
 ACTIVITY_RANKS = {
     "activity": 0, "time [h:mm]": 0, "share [%]": 5, "distance [km]": 4, "speed [km/h]": 1,
-    "slip [%]": 0, "5-95 % [%]": 2, "engine [1/min]": 7, "load [%]": 6, "fuel [L/h]": 0,
-    "fuel [L]": 3,
+    "median slip [%]": 0, "5th to 95th percentile [%]": 2,
+    "engine running [1/min]": 7, "load [%]": 6, "fuel [L/h]": 0, "fuel [L]": 3,
 }  # fmt: skip
 """Heading -> its rank, as in `twin.scores.table`."""
 ACTIVITY_HEADERS = tuple(ACTIVITY_RANKS)
 SLIP_RANKS = {
-    "estimator": 0, "rows": 0, "slip median [%]": 0, "5 % [%]": 0, "95 % [%]": 0, "samples": 1,
+    "estimator": 0, "choice": 0, "median slip [%]": 0, "5th percentile [%]": 0,
+    "95th percentile [%]": 0, "values": 1,
 }  # fmt: skip
 SLIP_HEADERS = tuple(SLIP_RANKS)
 PROTOCOL_RANKS = {"part": 0, "when [h:mm:ss]": 1, "gave": 0, "used": 0}
 PROTOCOL_HEADERS = tuple(PROTOCOL_RANKS)
 PARTS_OF_SLIP = {
-    "slip": "while driving", "work_slip": "at work", "steady_slip": "steady, by the map",
+    "slip": "while driving", "work_slip": "at work",
+    "steady_slip": "by [steady] of the column map",
 }  # fmt: skip
 """Key of what was found -> what its rows are called."""
 
@@ -110,10 +112,10 @@ def scale_lines(scores: Mapping[str, Plain]) -> list[str]:
     lag_s = steady["lag_s"]
     lag = "is unknown" if lag_s is None else f"is {lag_s:.2f} s"
     return [
-        f"steady work: slip {_percent(steady, 'slip_median', 'slip_low', 'slip_high')}, "
-        f"{steady['n']} rows: {steady['rule']}",
-        f"zero-slip scale {_interval(steady, 'scale')}, {steady['scale_n']} rows: "
-        f"{steady['scale_rule']}",
+        f"steady work: median slip {_percent(steady, 'slip_median', 'slip_low', 'slip_high')}, "
+        f"{steady['n']} rows of the log where {steady['rule']}",
+        f"zero-slip scale {_interval(steady, 'scale')}, {steady['scale_n']} rows of the log "
+        f"where {steady['scale_rule']}; slip moves with it by as much",
         f"lag of GNSS speed behind wheel speed {lag}",
     ]
 
@@ -129,7 +131,7 @@ def fuel_sentences(scores: Mapping[str, Plain]) -> list[str]:
     if drive.get("width_m") is None:
         return [
             "Litres per hectare cannot be told: the implement's width is unknown. "
-            "[implement] width_m in the map gives it."
+            "[implement] width_m in the column map gives it."
         ]
     if not took:
         return ["Litres per hectare cannot be told: no work was found in the log."]
@@ -149,14 +151,21 @@ def assumptions(scores: Mapping[str, Plain]) -> list[str]:
     silent = [name for name, slip in (scores.get("slip") or {}).items() if not slip["n"]]
     lines = [f"{name}: no slip estimated" for name in silent]
     if drive.get("estimator"):
-        lines.append(f"Slip in tables and figures is {drive['estimator']}'s, unless they say else.")
+        lines.append(
+            f"Slip in tables and figures is {drive['estimator']}'s, unless they say else. Slip is "
+            "1 - ground speed / wheel speed of the driven wheels; negative where they turn slower "
+            "than the ground passes, as in curves, braking, or by noise."
+        )
     lines += scale_lines(scores)
     if scores.get("zero_slip"):
         lines.append(scores["zero_slip"])
     if drive.get("rule"):
         lines.append(drive["rule"])
     if drive.get("area"):
-        lines.append(f"Area is distance at work times {drive['width_m']:g} m: no overlap.")
+        lines.append(
+            f"Area is distance at work times {drive['width_m']:g} m, the width in the column map. "
+            "Where passes overlap, less ground is worked, and its litres per hectare are more."
+        )
     return [*lines, *scores.get("notes", ())]
 
 
@@ -173,8 +182,10 @@ def _between(low: float | None, high: float | None) -> str:
 
 
 def _percent(of: Mapping[str, Plain], middle: str, low: str, high: str) -> str:
-    return f"{100 * of[middle]:.1f} % (95 %: {100 * of[low]:.1f} to {100 * of[high]:.1f} %)"
+    return (
+        f"{100 * of[middle]:.1f} % (95 % interval: {100 * of[low]:.1f} to {100 * of[high]:.1f} %)"
+    )
 
 
 def _interval(of: Mapping[str, Plain], name: str) -> str:
-    return f"{of[name]:.4f} (95 %: {of[f'{name}_low']:.3f} to {of[f'{name}_high']:.3f})"
+    return f"{of[name]:.4f} (95 % interval: {of[f'{name}_low']:.3f} to {of[f'{name}_high']:.3f})"
