@@ -37,6 +37,8 @@ GNSS = {
     "v_east": Quantity("speed", "v_east_mps"),
     "v_north": Quantity("speed", "v_north_mps"),
     "v_up": Quantity("speed", "v_up_mps"),
+    "v_forward": Quantity("speed", "v_forward_mps"),
+    "v_left": Quantity("speed", "v_left_mps"),
     "quality": Quantity("count", "quality", 0, 8),
     "satellites": Quantity("count", "satellites_main", 0, 200),
     "position_sd": Quantity("length", "position_sd_m", 0.0, 1e5),

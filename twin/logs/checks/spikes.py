@@ -1,0 +1,46 @@
+"""Single samples that stand apart from all their neighbours by more than a tractor can move."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.streams import Array
+
+NEIGHBOURS = 3
+"""On each side of a sample."""
+LONGEST_S = 10.0
+"""Time that the neighbours span, beyond which they say nothing of a sample between them."""
+ALLOWED: dict[str, tuple[float, float]] = {
+    "gnss": (0.5, 1.5), "wheels": (0.7, 3.0), "position": (5.0, 15.0),
+}  # fmt: skip
+"""Kind -> how far a sample may stand apart, and how much more for each second between samples:
+ground speed [m/s, m/s2], wheel speed, which may also spin up [m/s, m/s2], position [m, m/s]."""
+
+
+def spikes(values: Array, time_s: Array, kind: str) -> NDArray[np.bool_]:
+    """Which samples are spikes, shape (n,).
+
+    |x_i - median(x_i-3 .. x_i+3)| > a + b dt + 2 (spread of the neighbours without their extremes)
+    """
+    found = np.zeros(len(values), bool)
+    known = np.flatnonzero(np.isfinite(values))
+    if len(known) <= 2 * NEIGHBOURS:
+        return found
+    x, t = np.asarray(values, np.float64)[known], time_s[known]
+    apart, per_s = ALLOWED[kind]
+    step_s = float(np.median(np.diff(t)))
+    rough = np.zeros(len(x), bool)
+    rough[1:] = np.abs(np.diff(x)) > apart + per_s * step_s
+    at = np.unique(np.concatenate([np.flatnonzero(rough), np.flatnonzero(rough) - 1]))
+    if not len(at):
+        return found
+    first = np.clip(at - NEIGHBOURS, 0, len(x) - 2 * NEIGHBOURS - 1)  # all on one side at the ends
+    index = first[:, None] + np.arange(2 * NEIGHBOURS + 1)
+    others = index[index != at[:, None]].reshape(len(at), 2 * NEIGHBOURS)
+    near = np.sort(x[others], axis=1)
+    spread, middle = near[:, -2] - near[:, 1], np.median(near, axis=1)
+    span_s = t[others.max(axis=1)] - t[others.min(axis=1)]
+    far = np.abs(x[at] - middle) > apart + per_s * step_s + 2.0 * spread
+    found[known[at[far & (span_s < LONGEST_S)]]] = True
+    return found
