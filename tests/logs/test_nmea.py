@@ -76,7 +76,7 @@ def test_a_wrong_checksum_is_left_out_and_told(tmp_path):
 @pytest.mark.parametrize(
     ("bodies", "says"),
     [
-        ([gga("101501.00"), gga("101500.00")], ["row 1", "out of order"]),
+        ([gga("101501.00"), gga("101500.00")], ["row 2", "out of order"]),
         ([gga("251500.00")], ["line 1", "time"]),
         ([gga("101500.00", minutes="61.0")], ["line 1", "61.0"]),
         ([gga("101500.00").replace("0.8,75.2", "0.8,abc")], ["line 1", "abc"]),

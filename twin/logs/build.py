@@ -87,7 +87,7 @@ def _assembled(
         if name in sections:
             values = dict(sections[name])
             epoch_ns = values.pop("epoch_ns")
-            table, origin = _sensor_table(name, values, epoch_ns, told)
+            table, origin = _sensor_table(name, values, epoch_ns, told, setup)
             setup = replace(setup, origin=origin) if origin else setup
             measured = _measured_rows(name, table, epoch_ns, told)
             if not len(measured["epoch_ns"]):
@@ -116,10 +116,10 @@ def _assembled(
 
 
 def _sensor_table(
-    name: str, values: Table, epoch_ns: NDArray[np.int64], told: Told
+    name: str, values: Table, epoch_ns: NDArray[np.int64], told: Told, setup: Setup
 ) -> tuple[Table, Origin | None]:
     if name == "gnss":
-        return gnss_table(values, epoch_ns, told)
+        return gnss_table(values, epoch_ns, told, setup.origin)
     table = dict(values)
     if "driven_speed_mps" in table:
         speed = table.pop("driven_speed_mps")

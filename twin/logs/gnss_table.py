@@ -26,17 +26,23 @@ _DIRECTED = ("speed_mps", "course_rad", "v_forward_mps", "v_left_mps")
 
 
 def gnss_table(
-    values: Table, epoch_ns: NDArray[np.int64], told: Told
+    values: Table, epoch_ns: NDArray[np.int64], told: Told, given: Origin | None = None
 ) -> tuple[Table, Origin | None]:
     """Columns of the `gnss` stream (angles in `values` are already counter-clockwise from east).
 
     v_east = speed cos(course), v_north = speed sin(course)
 
+    Args:
+        values: the columns, SI.
+        epoch_ns: their times.
+        told: takes notes and losses.
+        given: the geodetic origin [deg, deg, m]; None for the first fix.
+
     Returns:
         the columns without stamps; the geodetic origin [deg, deg, m] if there is one.
     """
     table = {k: v for k, v in values.items() if k not in (*_GEODETIC, *_DIRECTED)}
-    origin = _add_position(table, values, epoch_ns, told)
+    origin = _add_position(table, values, epoch_ns, told, given)
     _add_velocity(table, values, told)
     if "v_east_mps" not in table and {"east_m", "north_m"} <= set(table):
         _differentiate(table, epoch_ns, told)
@@ -46,7 +52,11 @@ def gnss_table(
 
 
 def _add_position(
-    table: Table, values: Table, epoch_ns: NDArray[np.int64], told: Told
+    table: Table,
+    values: Table,
+    epoch_ns: NDArray[np.int64],
+    told: Told,
+    given: Origin | None,
 ) -> Origin | None:
     if "latitude_rad" not in values and "longitude_rad" not in values:
         if "height_m" in values:
@@ -60,7 +70,7 @@ def _add_position(
     if not fixed.any():
         told.notes.append("gnss: no position fix")
         return None
-    origin = _project(table, lat, lon, values.get("height_m"), fixed, told)
+    origin = _project(table, lat, lon, values.get("height_m"), fixed, told, given)
     _drop_jumps(table, epoch_ns, told)
     return origin
 
@@ -75,7 +85,13 @@ def _drop_non_fixes(lat: Array, lon: Array, quality: Array | None) -> list[str]:
 
 
 def _project(
-    table: Table, lat: Array, lon: Array, height: Array | None, fixed: Array, told: Told
+    table: Table,
+    lat: Array,
+    lon: Array,
+    height: Array | None,
+    fixed: Array,
+    told: Told,
+    given: Origin | None,
 ) -> Origin:
     measured = np.full(len(lat), np.nan) if height is None else height
     heights = measured[np.isfinite(measured)]
@@ -86,6 +102,9 @@ def _project(
     near &= np.abs(lon - np.nanmedian(lon)) < 0.0175
     first = int(np.argmax(near if near.any() else fixed))
     origin = (float(lat[first]), float(lon[first]), ground_m)
+    if given is not None:
+        origin = (math.radians(given[0]), math.radians(given[1]), given[2])
+        filled = np.where(np.isfinite(measured), measured, given[2])
     east, north, up = enu_m(lat, lon, filled, origin)
     far = np.hypot(east, north) > FARTHEST_M
     if far.any():
@@ -100,7 +119,7 @@ def _project(
     table["east_m"], table["north_m"] = east, north
     if len(heights):
         table["up_m"] = np.where(np.isfinite(measured), up, np.nan)
-    return math.degrees(origin[0]), math.degrees(origin[1]), ground_m
+    return given or (math.degrees(origin[0]), math.degrees(origin[1]), ground_m)
 
 
 def _drop_jumps(table: Table, epoch_ns: NDArray[np.int64], told: Told) -> None:

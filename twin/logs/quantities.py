@@ -41,6 +41,7 @@ GNSS = {
     "v_left": Quantity("speed", "v_left_mps"),
     "quality": Quantity("count", "quality", 0, 8),
     "satellites": Quantity("count", "satellites_main", 0, 200),
+    "satellites_aux": Quantity("count", "satellites_aux", 0, 200),
     "position_sd": Quantity("length", "position_sd_m", 0.0, 1e5),
     "velocity_sd": Quantity("speed", "velocity_sd_mps", 0.0),
     "heading_sd": Quantity("angle", "heading_sd_rad", 0.0, _TURN),

@@ -112,10 +112,10 @@ def _factor(
 
 
 def as_counts(name: str, ticks: Array, at: NDArray[np.int64], told: Told) -> Array:
-    """Ticks without fractions: what is no count is a hole."""
-    broken = np.isfinite(ticks) & (ticks != np.round(ticks))
+    """Ticks without fractions, but for rounding: what is no count is a hole."""
+    broken = np.isfinite(ticks) & (np.abs(ticks - np.round(ticks)) > 1e-6)
     if not broken.any():
-        return ticks
+        return np.asarray(np.round(ticks))
     row = int(np.argmax(broken))
     says = f"column {quoted(name)}, row {at[row]}: {ticks[row]} is not a count"
     told.losses.append(Loss("log", at[broken], len(ticks), says))
