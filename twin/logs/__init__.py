@@ -17,6 +17,7 @@ from twin.logs.log import Log
 from twin.logs.own_maps import completed
 from twin.logs.reader import Reader
 from twin.logs.readers.reading import Reading
+from twin.logs.readers.run_folder import RunFolder
 from twin.logs.registry import READERS, fitting, reader
 from twin.logs.rules import Rule, choose
 from twin.logs.signals import Found, Signal, checked
@@ -37,6 +38,7 @@ __all__ = [
     "choose",
     "driven_speed_mps",
     "found_in",
+    "found_in_all",
     "ground_speed_mps",
     "paired_speeds",
     "read",
@@ -87,20 +89,29 @@ def read(
     elif offset_s:
         columns_of = ColumnMap(reading=Reading(offset_s=offset_s))
     reading = _reading(columns_of)
-    by_name = _told_apart(files)
-    found = {
-        name: _named(path, lambda p: found_in(p, reading, reader)) for name, path in by_name.items()
-    }
-    whole = files[0] if len(files) == 1 else Path(" + ".join(by_name))
+    found = found_in_all(files, reading, reader)
+    whole = files[0] if len(files) == 1 else Path(" + ".join(found))
     return _named(whole, lambda p: _built(found, columns_of, strict, files, reader))
 
 
 def found_in(path: Path, reading: Reading | None = None, reader: Reader | None = None) -> Found:
     """All that a file holds, before any map. Raises BadInput."""
     by = reader or fitting(path)
+    if isinstance(by, RunFolder):
+        raise BadInput("a run folder names its own columns; it needs no map")
     found = _by(by, lambda: by.found(path, reading or Reading()))
     signals = {name: checked(name, signal) for name, signal in found.signals.items()}
     return replace(found, signals=signals)
+
+
+def found_in_all(
+    paths: Sequence[Path], reading: Reading | None = None, reader: Reader | None = None
+) -> dict[str, Found]:
+    """All that several files hold, by their names. Raises BadInput."""
+    return {
+        name: _named(path, lambda p: found_in(p, reading, reader))
+        for name, path in _told_apart(paths).items()
+    }
 
 
 def _by(reader: Reader, reads: Callable[[], _Read]) -> _Read:

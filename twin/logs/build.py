@@ -19,11 +19,12 @@ from twin.logs.gnss_table import Origin, gnss_table
 from twin.logs.joined import shift
 from twin.logs.log import Log
 from twin.logs.losses import SHARE, Limits, judged
-from twin.logs.quantity_columns import Told
+from twin.logs.quantity_columns import ANGLE_COUNTS, Told
 from twin.logs.sections import Columns, holder, named, section_table
 from twin.logs.setup_block import assumed_names, setup_from, table_of
 from twin.logs.signals import Found, brought
 from twin.logs.speeds import paired_speeds
+from twin.logs.units import UNITS
 from twin.streams import COLUMNS, Array, Setup, Streams, Table
 
 
@@ -104,7 +105,8 @@ def _assembled(
     told.notes += left_out
     check_same_machine(*paired_speeds(Streams(tables)))
     tables, more = _without_cut_off(tables)
-    told.notes += [*more, *disagreements(tables), *_absent(tables)]
+    mount_rad = setup.gnss.heading_mount_rad if setup.gnss else 0.0
+    told.notes += [*more, *disagreements(tables, mount_rad), *_absent(tables)]
     if "wheels" in tables and rows_ns is not None:
         rows_ns = tables["wheels"]["epoch_ns"]
     setup, assumed = _with_blocks(setup, columns_of, tables)
@@ -193,7 +195,20 @@ def _with_blocks(
         step_ns = np.diff(tables[sensor]["epoch_ns"])
         if len(step_ns):
             given[sensor].setdefault("rate_hz", 1e9 / float(np.median(step_ns)))
+    turned = any(
+        k.startswith("ticks_") and s.unit in UNITS["angle"]
+        for k, s in columns_of.columns.get("wheels", {}).items()
+    )
+    if turned and "wheels" in given:
+        given["wheels"].setdefault("counts_per_turn", ANGLE_COUNTS)
     raw = {**columns_of.setup, **given}
     built = replace(setup_from(raw, assume=True), origin=setup.origin)
     assumed = assumed_names(raw, tuple(sensors))
-    return built, [f"setup: assumed {', '.join(assumed)}"] if assumed else []
+    notes = [f"setup: assumed {', '.join(assumed)}"] if assumed else []
+    counting = any(k.startswith("ticks_") for k in tables.get("wheels", {}))
+    if counting and built.wheels is not None and built.wheels.counts_per_turn is None:
+        notes.append(
+            "wheels: counts give no speed without counts_per_turn in [setup.wheels], so no slip"
+            " can be estimated"
+        )
+    return built, notes

@@ -168,7 +168,8 @@ def _sources(name: str, section: Mapping[str, object]) -> dict[str, Source]:
 def _units(section: str, key: str) -> tuple[str, ...]:
     dimension = QUANTITIES[section][key].dimension
     turning = section == "wheels" and dimension == "speed" and key != "speed_sd"
-    return (*UNITS[dimension], *(WHEEL_RATES if turning else ()))
+    angle = UNITS["angle"] if key.startswith("ticks_") else ()
+    return (*UNITS[dimension], *(WHEEL_RATES if turning else ()), *angle)
 
 
 def _source(

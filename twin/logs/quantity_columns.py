@@ -21,6 +21,8 @@ from twin.logs.signals import Signal
 from twin.logs.units import UNITS, WHEEL_RATES
 from twin.streams import Array
 
+ANGLE_COUNTS = 10_000
+"""Counts of a turn where a wheel's angle stands for its counts and the set-up has no number."""
 _FRD = {"gyro_y", "gyro_z", "accel_y", "accel_z"}
 """What turns its sign between forward, right, down and forward, left, up."""
 
@@ -99,6 +101,11 @@ def _factor(
     """From a unit to SI; a wheel's turning becomes its speed by its radius."""
     if unit in UNITS[quantity.dimension]:
         return UNITS[quantity.dimension][unit]
+    if key.startswith("ticks_"):
+        wheels = table_of("setup.wheels", setup.get("wheels", {}))
+        counts = wheels.get("counts_per_turn", ANGLE_COUNTS)
+        turn = UNITS["angle"][unit] / (2.0 * math.pi)
+        return turn * float(counts if isinstance(counts, int | float) else ANGLE_COUNTS)
     radii = table_of("setup.wheels.radius_m", table_of(
         "setup.wheels", setup.get("wheels", {})).get("radius_m", {}))  # fmt: skip
     wheel = "rl" if key == "driven_speed" else key[-2:]
@@ -111,12 +118,14 @@ def _factor(
     return WHEEL_RATES[unit] * radius
 
 
-def as_counts(name: str, ticks: Array, at: NDArray[np.int64], told: Told) -> Array:
+def as_counts(source: Source, ticks: Array, at: NDArray[np.int64], told: Told) -> Array:
     """Ticks without fractions, but for rounding: what is no count is a hole."""
+    if source.unit in UNITS["angle"]:
+        return np.asarray(np.round(ticks))
     broken = np.isfinite(ticks) & (np.abs(ticks - np.round(ticks)) > 1e-6)
     if not broken.any():
         return np.asarray(np.round(ticks))
     row = int(np.argmax(broken))
-    says = f"column {quoted(name)}, row {at[row]}: {ticks[row]} is not a count"
+    says = f"column {quoted(source.column)}, row {at[row]}: {ticks[row]} is not a count"
     told.losses.append(Loss("log", at[broken], len(ticks), says))
     return np.where(broken, np.nan, ticks)

@@ -135,7 +135,7 @@ def section_table(
             continue
         values = si_values(section, key, source, timed.signal, timed.at, columns_of, told)
         if key.startswith("ticks_"):
-            values = as_counts(name, values, timed.at, told)
+            values = as_counts(source, values, timed.at, told)
         values = _without_spikes(section, key, name, values, timed, told)
         times = timed.epoch_ns
         epoch_ns = table.setdefault("epoch_ns", times)

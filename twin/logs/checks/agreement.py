@@ -26,11 +26,11 @@ MOVING_MPS = 0.5
 LONGEST_STEP_S = 5.0
 
 
-def disagreements(tables: Mapping[str, Table]) -> list[str]:
-    """A note for everything that does not agree."""
+def disagreements(tables: Mapping[str, Table], mount_rad: float = 0.0) -> list[str]:
+    """A note for everything that does not agree; mount_rad from body to antenna baseline."""
     notes = []
     if "gnss" in tables:
-        notes += _way(tables["gnss"]) + _heading_course(tables["gnss"])
+        notes += _way(tables["gnss"]) + _heading_course(tables["gnss"], mount_rad)
         if "imu" in tables:
             notes += _yaw(tables["gnss"], tables["imu"])
     return notes + _speeds(Streams(tables))
@@ -116,11 +116,11 @@ def _stretches(east: Array, north: Array, time_s: Array) -> NDArray[np.int64]:
     return np.concatenate([[0], np.flatnonzero(np.diff(piece) > 0) + 1]).astype(np.int64)
 
 
-def _heading_course(gnss: Table) -> list[str]:
+def _heading_course(gnss: Table, mount_rad: float) -> list[str]:
     if not {"heading_rad", "v_east_mps", "v_north_mps"} <= set(gnss):
         return []
     east, north = gnss["v_east_mps"], gnss["v_north_mps"]
-    off = gnss["heading_rad"] - np.arctan2(north, east)
+    off = gnss["heading_rad"] - mount_rad - np.arctan2(north, east)
     with np.errstate(invalid="ignore"):
         moving = (np.hypot(east, north) > MOVING_MPS) & np.isfinite(off)
     if moving.sum() < 10:

@@ -168,9 +168,7 @@ def _wheels(bag: _Bag, streams: Streams, setup: Setup) -> dict[str, dict[str, ob
         label = JOINTS[wheel]
         if f"ticks_{wheel}" in table and counts:
             angle[label] = 2.0 * math.pi * table[f"ticks_{wheel}"] / counts
-            sources[f"ticks_{wheel}"] = _source(
-                f"/wheels.position[{label}]", "1", scale=counts / (2.0 * math.pi)
-            )
+            sources[f"ticks_{wheel}"] = _source(f"/wheels.position[{label}]", "rad")
         elif setup.wheels and f"speed_{wheel}_mps" in table:
             rate[label] = table[f"speed_{wheel}_mps"] / setup.wheels.radius_m[wheel]
             sources[f"speed_{wheel}"] = _source(f"/wheels.velocity[{label}]", "rad/s")

@@ -72,6 +72,11 @@ class _Topic:
         self._times.append(_stamp_ns(message) or time_ns)
         self._rows.append({path: value for path, value in _numbers(message, "")})
 
+    def items(self, field: str) -> list[str]:
+        """Names of the items of a list in its first message."""
+        paths = self._rows[0] if self._rows else {}
+        return [p[len(field) + 1 : -1] for p in paths if p.startswith(f"{field}[")]
+
     def signals(self) -> dict[str, Signal]:
         """Its fields as signals, in order of time; of one stamp the last counts."""
         times = np.array(self._times, np.int64)
@@ -84,6 +89,16 @@ class _Topic:
             )
             for path in paths
         }
+
+
+def _wheel(joint: str) -> str:
+    """Short name of the wheel that a joint's name says, or nothing."""
+    name = joint.lower()
+    front, rear = "front" in name, "rear" in name or "back" in name
+    left, right = "left" in name, "right" in name
+    if front == rear or left == right or "steer" in name:
+        return ""
+    return ("f" if front else "r") + ("l" if left else "r")
 
 
 def _topics(bag: Plain) -> tuple[dict[str, _Topic], dict[str, str]]:
@@ -175,6 +190,15 @@ def _meanings(topic: _Topic) -> Iterator[_Meaning]:
         yield "gnss", "east", ".pose.pose.position.x", "m", {}
         yield "gnss", "north", ".pose.pose.position.y", "m", {}
         yield "gnss", "heading", ".pose.pose.orientation.yaw", "rad", {"convention": "east"}
+    elif kind == "QuaternionStamped" and ("head" in topic.name or "gnss" in topic.name):
+        yield "gnss", "heading", ".quaternion.yaw", "rad", {"convention": "east"}
+    elif kind == "JointState":
+        for joint in topic.items(".velocity"):
+            if wheel := _wheel(joint):
+                yield "wheels", f"speed_{wheel}", f".velocity[{joint}]", "rad/s", {}
+        for joint in topic.items(".position"):
+            if (wheel := _wheel(joint)) and not topic.items(".velocity"):
+                yield "wheels", f"ticks_{wheel}", f".position[{joint}]", "rad", {}
     elif kind == "Imu":
         for axis in "xyz":
             yield "imu", f"gyro_{axis}", f".angular_velocity.{axis}", "rad/s", {}
