@@ -60,7 +60,7 @@ def test_east_convention_turns_the_other_way(tmp_path):
         (7, "v", "fast", ["'v'", "row 7", "'fast'"]),
         (7, "v", '"2,5"', ["'v'", "row 7", "decimal"]),
         (7, "v", "inf", ["'v'", "row 7", "'inf' is not a number"]),
-        (7, "v", "1e308", ["'v'", "row 7", "'1e308'"]),
+        (7, "v", "1e308", ["'v'", "row 7", "1e+308"]),
         (7, "v", "200", ["'v'", "row 7", "200 m/s", "unit right"]),
         (7, "lat", "95", ["'lat'", "row 7", "95 deg", "unit right"]),
         (7, "lat", "46.5", ["row 7", "km from the first fix"]),

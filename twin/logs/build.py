@@ -138,13 +138,13 @@ def _measured_rows(name: str, table: Table, epoch_ns: NDArray[np.int64], told: T
         np.zeros(len(epoch_ns), bool)
     )  # fmt: skip
     if kept.all():
-        return {"epoch_ns": epoch_ns, "arrival_ns": epoch_ns.copy(), **table}
+        return {"epoch_ns": epoch_ns, "arrival_ns": epoch_ns, **table}
     lost = int((~kept).sum())
     first = f"(first at row {int(np.argmax(~kept)) + 1})"
     told.notes.append(f"{name}: {lost} rows without a measurement left out {first}")
-    measured = {"epoch_ns": epoch_ns[kept], "arrival_ns": epoch_ns[kept].copy()}
-    told.notes += gap_notes(name, measured["epoch_ns"])
-    return measured | {k: v[kept] for k, v in table.items()}
+    times = epoch_ns[kept]
+    told.notes += gap_notes(name, times)
+    return {"epoch_ns": times, "arrival_ns": times} | {k: v[kept] for k, v in table.items()}
 
 
 def _without_cut_off(tables: Mapping[str, Table]) -> tuple[dict[str, Table], list[str]]:

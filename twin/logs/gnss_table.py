@@ -21,6 +21,8 @@ STANDING_MPS = 0.5
 """Below this a receiver may leave the course blank; the last one then holds."""
 LONGEST_S = 2.5
 """Positions further apart in time than this give no speed."""
+BLOCK_ROWS = 100_000
+"""Positions that are projected at once: a dozen arrays of as many numbers."""
 _GEODETIC = ("latitude_rad", "longitude_rad", "height_m")
 _DIRECTED = ("speed_mps", "course_rad", "v_forward_mps", "v_left_mps")
 
@@ -105,7 +107,10 @@ def _project(
     if given is not None:
         origin = (math.radians(given[0]), math.radians(given[1]), given[2])
         filled = np.where(np.isfinite(measured), measured, given[2])
-    east, north, up = enu_m(lat, lon, filled, origin)
+    east, north, up = (np.empty(len(lat)) for _ in range(3))
+    for start in range(0, len(lat), BLOCK_ROWS):
+        part = slice(start, start + BLOCK_ROWS)
+        east[part], north[part], up[part] = enu_m(lat[part], lon[part], filled[part], origin)
     far = np.hypot(east, north) > FARTHEST_M
     if far.any():
         row = int(np.argmax(far))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -44,6 +45,10 @@ class Columns:
         self.shift_ns = 0
         """What is taken off the file's clock."""
         self._stamps: dict[str, Stamps] = {}
+        self._uses = Counter(
+            s.column for section in columns_of.columns.values() for s in section.values()
+        )
+        self._uses.update(columns_of.labels.values())
 
     def __contains__(self, name: str) -> bool:
         return name in self.found.signals
@@ -65,6 +70,12 @@ class Columns:
         self._told.losses += losses
         rows = Signal(kept(signal.values, rising), signal.epoch_ns[rising])
         return Timed(rows, signal.epoch_ns[rising] - self.shift_ns, numbered[rising])
+
+    def used(self, column: str, name: str) -> None:
+        """Forget a signal that no other key of the map asks for: a long log fills the memory."""
+        self._uses[column] -= 1
+        if self._uses[column] == 0 and isinstance(self.found.signals, dict):
+            self.found.signals[name] = Signal(np.empty(0))
 
     def table_ns(self) -> NDArray[np.int64] | None:
         """Times of the rows of the table; None where the map names no column of this file."""
@@ -134,6 +145,8 @@ def section_table(
         if not len(timed.epoch_ns):
             continue
         values = si_values(section, key, source, timed.signal, timed.at, columns_of, told)
+        file.used(source.column, name)
+        timed = Timed(Signal(np.empty(0), timed.signal.epoch_ns), timed.epoch_ns, timed.at)
         if key.startswith("ticks_"):
             values = as_counts(source, values, timed.at, told)
         values = _without_spikes(section, key, name, values, timed, told)

@@ -24,16 +24,24 @@ TURN_RAD = math.radians(10.0)
 SLIP = 0.25
 MOVING_MPS = 0.5
 LONGEST_STEP_S = 5.0
+MOST_ROWS = 200_000
+"""Rows of a sensor that are compared: those in the middle of a longer log."""
 
 
 def disagreements(tables: Mapping[str, Table], mount_rad: float = 0.0) -> list[str]:
     """A note for everything that does not agree; mount_rad from body to antenna baseline."""
+    tables = {name: _middle(table) for name, table in tables.items()}
     notes = []
     if "gnss" in tables:
         notes += _way(tables["gnss"]) + _heading_course(tables["gnss"], mount_rad)
         if "imu" in tables:
             notes += _yaw(tables["gnss"], tables["imu"])
     return notes + _speeds(Streams(tables))
+
+
+def _middle(table: Table) -> Table:
+    start = max(len(table["epoch_ns"]) - MOST_ROWS, 0) // 2
+    return {k: v[start : start + MOST_ROWS] for k, v in table.items()}
 
 
 def _way(gnss: Table) -> list[str]:
@@ -66,17 +74,20 @@ def _way(gnss: Table) -> list[str]:
     far = np.abs(by_speed) > 0.5 * STRETCH_M
     if not far.any():
         return []
+    if moved == 0.0:
+        return []
+    notes = []
     ratio = float(np.median(np.abs(by_place[far]) / np.abs(by_speed[far])))
     if not 1.0 / RATIO < ratio < RATIO:
-        return [_far(ratio * driven, driven, time_s[-1])] if moved > 0.0 else []
-    off = np.angle(by_place[far] / by_speed[far])
-    if np.median(np.abs(off)) > ANGLE_RAD:
-        degrees = math.degrees(float(np.median(np.abs(off))))
-        return [
-            f"gnss: positions and velocity disagree in direction by {degrees:.0f} deg at the median;"
-            " are latitude and longitude swapped, or is the convention of an angle wrong?"
-        ]
-    return []
+        notes.append(_far(ratio * driven, driven, time_s[-1]))
+    off = float(np.median(np.abs(np.angle(by_place[far] / by_speed[far]))))
+    if off > ANGLE_RAD:
+        notes.append(
+            "gnss: positions and velocity disagree in direction by"
+            f" {math.degrees(off):.0f} deg at the median; are latitude and longitude swapped, or is"
+            " the convention of an angle wrong?"
+        )
+    return notes
 
 
 def _far(moved_m: float, driven_m: float, time_s: float) -> str:

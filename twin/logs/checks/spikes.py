@@ -24,10 +24,12 @@ def spikes(values: Array, time_s: Array, kind: str) -> NDArray[np.bool_]:
     |x_i - median(x_i-3 .. x_i+3)| > a + b dt + 2 (spread of the neighbours without their extremes)
     """
     found = np.zeros(len(values), bool)
-    known = np.flatnonzero(np.isfinite(values))
+    finite = np.isfinite(values)
+    whole = bool(finite.all())
+    known = np.arange(len(values)) if whole else np.flatnonzero(finite)
     if len(known) <= 2 * NEIGHBOURS:
         return found
-    x, t = np.asarray(values, np.float64)[known], time_s[known]
+    x, t = (values, time_s) if whole else (values[known], time_s[known])
     apart, per_s = ALLOWED[kind]
     step_s = float(np.median(np.diff(t)))
     rough = np.zeros(len(x), bool)

@@ -9,14 +9,15 @@ import numpy as np
 
 from twin.errors import BadInput
 from twin.io.plain import Plain
-from twin.logs.cells import Text, quoted
+from twin.logs.cells import Cells, Text, quoted
 from twin.logs.losses import Loss
 from twin.logs.reader import Reader
 from twin.logs.readers.dialect import Dialect, dialect
 from twin.logs.readers.reading import Reading
 from twin.logs.signals import Found, Signal
+from twin.streams import Array
 
-_BLOCK_BYTES = 1 << 22
+_BLOCK_BYTES = 1 << 18
 
 
 class Csv(Reader):
@@ -35,9 +36,8 @@ class Csv(Reader):
             BadInput: the file is no text or has no rows.
         """
         how = dialect(path, reading)
-        table, lost = _read(path, how, reading.columns)
-        rows = table.num_rows + len(lost.numbers)
-        if not table.num_rows:
+        columns, rows, lost = _read(path, how, reading.columns)
+        if not rows:
             raise BadInput("a header and no rows" if not lost.numbers else lost.says(how))
         notes = []
         if how.preamble:
@@ -46,12 +46,13 @@ class Csv(Reader):
             notes.append(f"text read as {how.encoding}; encoding in [log] says another")
         if how.decimal == "," and not reading.decimal:
             notes.append("decimal comma")
-        columns = {name: Signal(np.empty(0)) for name in how.names if name}
-        columns |= {n: Signal(Text(table.column(n), how.decimal)) for n in table.column_names}
+        signals = {name: Signal(np.empty(0)) for name in how.names if name}
+        signals |= {name: Signal(cells) for name, cells in columns.items()}
         numbers = np.array(lost.numbers, np.int64)
+        rows += len(numbers)
         loss = [Loss("log", numbers, rows, lost.says(how))] if len(numbers) else []
         row = np.setdiff1d(np.arange(1, rows + 1), numbers) if len(numbers) else None
-        return Found(signals=columns, losses=tuple(loss), notes=tuple(notes), row=row)
+        return Found(signals=signals, losses=tuple(loss), notes=tuple(notes), row=row)
 
 
 @dataclass
@@ -78,40 +79,114 @@ class _Lost:
         )
 
 
-def _read(path: Path, how: Dialect, asked: frozenset[str] | None) -> tuple[Plain, _Lost]:
-    """The columns as text; of a file whose quotes do not close, with the quotes as text."""
+def _read(
+    path: Path, how: Dialect, asked: frozenset[str] | None
+) -> tuple[dict[str, Cells], int, _Lost]:
+    """The columns, the number of rows, and the rows lost; of quotes that do not close, as text."""
     import pyarrow as pa
-    import pyarrow.csv as arrow_csv
 
     names = [n for n in how.names if n and (asked is None or n in asked)] or [how.names[0]]
-    lost = _Lost(how.skip_lines)
     try:
-        table = arrow_csv.open_csv(
-            path,
-            read_options=arrow_csv.ReadOptions(
-                use_threads=False, block_size=_BLOCK_BYTES, column_names=_unique(how.names),
-                skip_rows=how.skip_lines, encoding=how.encoding,
-            ),
-            parse_options=arrow_csv.ParseOptions(
-                delimiter=how.delimiter, quote_char='"' if how.quotes else False,
-                invalid_row_handler=lost.take,
-            ),
-            convert_options=arrow_csv.ConvertOptions(
-                column_types=dict.fromkeys(names, pa.string()), include_columns=names,
-                strings_can_be_null=False,
-            ),
-        ).read_all()  # fmt: skip
+        numeric, rows, lost = _numeric(path, how, names)
+        text = [n for n in names if n not in numeric]
+        columns: dict[str, Cells] = dict(numeric)
+        if text:
+            table = _opened(path, how, text, _Lost(how.skip_lines)).read_all()
+            columns |= {n: Text(table.column(n), how.decimal) for n in text}
     except pa.ArrowInvalid as error:
         if "UTF" in str(error) and how.encoding == "utf-8":
             return _read(path, replace(how, encoding="cp1252"), asked)
         if how.quotes:
             return _read(path, replace(how, quotes=False), asked)
-        if "skip initial" in str(error):
+        if "skip initial" in str(error) or "Empty CSV" in str(error):
             raise BadInput("a header and no rows") from None
         raise BadInput(f"not CSV: {error}") from None
     except (OSError, LookupError, ValueError) as error:
         raise BadInput(f"not CSV: {quoted(error)}") from None
-    return table, lost
+    return columns, rows, lost
+
+
+def _numeric(path: Path, how: Dialect, names: list[str]) -> tuple[dict[str, Array], int, _Lost]:
+    """The columns that hold nothing but numbers, block by block, so that no text is kept."""
+    columns: dict[str, _Growing] = {n: _Growing() for n in names if how.decimal == "."}
+    rows, lost = 0, _Lost(how.skip_lines)
+    for batch in _opened(path, how, names, lost):
+        rows += batch.num_rows
+        for name in list(columns):
+            numbers = _block(batch.column(name), whole=columns[name].whole)
+            if numbers is None or not columns[name].take(numbers):
+                del columns[name]  # read again as text
+    return {name: column.values() for name, column in columns.items()}, rows, lost
+
+
+class _Growing:
+    """Numbers of a column so far, in one piece of memory: many small ones would fragment it."""
+
+    def __init__(self) -> None:
+        self._numbers: Array = np.empty(0, np.int64)
+        self._count = 0
+
+    @property
+    def whole(self) -> bool:
+        """Whether all so far are integers."""
+        return self._numbers.dtype.kind == "i"
+
+    def take(self, numbers: Array) -> bool:
+        """Add a block; False where integers are too large to stand among numbers with fractions."""
+        if self.whole and numbers.dtype.kind == "f":
+            own = self.values()
+            if len(own) and max(-int(own.min()), int(own.max())) >= 2**53:
+                return False
+            self._numbers = self._numbers.astype(np.float64)
+        after = self._count + len(numbers)
+        if after > len(self._numbers):
+            grown = np.empty(2 * after, self._numbers.dtype)
+            grown[: self._count] = self.values()
+            self._numbers = grown
+        self._numbers[self._count : after] = numbers
+        self._count = after
+        return True
+
+    def values(self) -> Array:
+        """The numbers."""
+        return self._numbers[: self._count]
+
+
+def _block(column: Plain, *, whole: bool) -> Array | None:
+    """Numbers of one block: integers where all may be; None where one is anything else."""
+    import pyarrow as pa
+    import pyarrow.compute as pc
+
+    for kind in (pa.int64(), pa.float64()) if whole else (pa.float64(),):
+        try:
+            cast = pc.cast(column, kind, memory_pool=pa.system_memory_pool())
+            return np.asarray(cast.to_numpy(zero_copy_only=False))
+        except pa.ArrowInvalid:
+            continue
+    return None
+
+
+def _opened(path: Path, how: Dialect, names: list[str], lost: _Lost) -> Plain:
+    """Arrow's reader of the named columns as text, block by block."""
+    import pyarrow as pa
+    import pyarrow.csv as arrow_csv
+
+    return arrow_csv.open_csv(
+        path,
+        read_options=arrow_csv.ReadOptions(
+            use_threads=False, block_size=_BLOCK_BYTES, column_names=_unique(how.names),
+            skip_rows=how.skip_lines, encoding=how.encoding,
+        ),
+        parse_options=arrow_csv.ParseOptions(
+            delimiter=how.delimiter, quote_char='"' if how.quotes else False,
+            invalid_row_handler=lost.take,
+        ),
+        convert_options=arrow_csv.ConvertOptions(
+            column_types=dict.fromkeys(names, pa.string()), include_columns=names,
+            strings_can_be_null=False,
+        ),
+        memory_pool=pa.system_memory_pool(),  # which gives back what it no longer needs
+    )  # fmt: skip
 
 
 def _unique(names: tuple[str, ...]) -> list[str]:
