@@ -23,7 +23,7 @@ from twin.logs.quantity_columns import ANGLE_COUNTS, Told
 from twin.logs.sections import Columns, holder, named, section_table
 from twin.logs.setup_block import assumed_names, setup_from, table_of
 from twin.logs.signals import Found, brought
-from twin.logs.speeds import paired_speeds
+from twin.logs.speeds import driven_speed_mps, ground_speed_mps, paired_speeds
 from twin.logs.units import UNITS
 from twin.streams import COLUMNS, Array, Setup, Streams, Table
 
@@ -149,8 +149,12 @@ def _measured_rows(name: str, table: Table, epoch_ns: NDArray[np.int64], told: T
 
 def _without_cut_off(tables: Mapping[str, Table]) -> tuple[dict[str, Table], list[str]]:
     """Wheel speeds without those that read zero while the ground moves."""
-    ground, wheel = paired_speeds(Streams(dict(tables)))
-    doubted = unknown(wheel, ground) if len(wheel) else np.zeros(0, bool)
+    streams = Streams(dict(tables))
+    ground, wheel = ground_speed_mps(streams), driven_speed_mps(streams)
+    if not len(ground) or not len(wheel):
+        return dict(tables), []
+    times = tables["wheels"]["epoch_ns"], tables["gnss"]["epoch_ns"]
+    doubted, moving_mps = unknown(wheel, times[0], ground, times[1])
     if not doubted.any():
         return dict(tables), []
     keys = [k for k in tables["wheels"] if k.startswith("speed_") and k != "speed_sd_mps"]
@@ -160,7 +164,7 @@ def _without_cut_off(tables: Mapping[str, Table]) -> tuple[dict[str, Table], lis
                     ("epoch_ns", "arrival_ns", "speed_sd_mps")], axis=0)  # fmt: skip
     note = (
         f"wheels: {int(doubted.sum())} speeds of zero while the ground moves at"
-        f" {float(np.median(ground[doubted])):.2g} m/s are unknown: below the sensor's cut-off"
+        f" {float(np.median(moving_mps)):.2g} m/s are unknown: below the sensor's cut-off"
     )
     rest = {**tables, "wheels": {k: v[known] for k, v in wheels.items()}}
     if not known.any():

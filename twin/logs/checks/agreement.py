@@ -63,7 +63,7 @@ def _way(gnss: Table) -> list[str]:
         chord = math.hypot(east.max() - east.min(), north.max() - north.min())
         if chord < 3.0 * STRETCH_M or chord < 3.0 * driven:
             return []
-        return [_far(chord, driven, time_s[-1])]
+        return [_far(moved if moved < 2.0 * chord else chord, driven, time_s[-1])]
     a, b = ends[:-1], ends[1:]
     short = time_s[b] - time_s[a] < 120.0
     a, b = a[short], b[short]

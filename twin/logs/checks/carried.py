@@ -15,7 +15,7 @@ from twin.streams import Array
 FEWEST_CHANGES = 5
 LEAST_ROWS = 2.9
 """Rows a value must usually stand on to be called carried forward."""
-SHARE = 0.9
+SHARE = 0.85
 """Share of the changes that must fall on the source's beat."""
 
 

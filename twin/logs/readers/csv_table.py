@@ -9,7 +9,7 @@ import numpy as np
 
 from twin.errors import BadInput
 from twin.io.plain import Plain
-from twin.logs.cells import Cells, Text, quoted
+from twin.logs.cells import Cells, Text, kept, quoted
 from twin.logs.losses import Loss
 from twin.logs.reader import Reader
 from twin.logs.readers.dialect import Dialect, dialect
@@ -18,6 +18,9 @@ from twin.logs.signals import Found, Signal
 from twin.streams import Array
 
 _BLOCK_BYTES = 1 << 18
+_TAIL_BYTES = 4096
+_TAILS = {"utf-16": "utf-16-le"}
+"""Encoding of a file -> that of its end, where no mark says in which order bytes stand."""
 
 
 class Csv(Reader):
@@ -39,6 +42,10 @@ class Csv(Reader):
         columns, rows, lost = _read(path, how, reading.columns)
         if not rows:
             raise BadInput("a header and no rows" if not lost.numbers else lost.says(how))
+        if _is_cut(path, how):
+            rows -= 1
+            columns = {n: kept(c, np.arange(len(c)) < rows) for n, c in columns.items()}
+            lost.cut = rows + 1 + len(lost.numbers)
         notes = []
         if how.preamble:
             notes.append(f"{how.preamble} lines before the header left out")
@@ -49,9 +56,12 @@ class Csv(Reader):
         signals = {name: Signal(np.empty(0)) for name in how.names if name}
         signals |= {name: Signal(cells) for name, cells in columns.items()}
         numbers = np.array(lost.numbers, np.int64)
-        rows += len(numbers)
+        cut = np.array([lost.cut] if lost.cut else [], np.int64)
+        rows += len(numbers) + len(cut)
         loss = [Loss("log", numbers, rows, lost.says(how))] if len(numbers) else []
-        row = np.setdiff1d(np.arange(1, rows + 1), numbers) if len(numbers) else None
+        loss += [Loss("log", cut, rows, f"row {lost.cut}, the last, is cut")] if lost.cut else []
+        out = np.concatenate([numbers, cut])
+        row = np.setdiff1d(np.arange(1, rows + 1), out) if len(out) else None
         return Found(signals=signals, losses=tuple(loss), notes=tuple(notes), row=row)
 
 
@@ -63,6 +73,8 @@ class _Lost:
     """Rows of the file before the first of the table."""
     numbers: list[int] = field(default_factory=list)
     cells: int = 0
+    cut: int = 0
+    """Number of the last row, if its last cell is cut."""
 
     def take(self, row: Plain) -> str:
         """What Arrow calls for each."""
@@ -77,6 +89,24 @@ class _Lost:
             if self.numbers
             else ""
         )
+
+
+def _is_cut(path: Path, how: Dialect) -> bool:
+    """Whether a file ends within a row: without an end of the line, in a cell shorter than others.
+
+    A row that is cut between its cells has too few of them, and is known by that.
+    """
+    with path.open("rb") as file:
+        file.seek(0, 2)
+        file.seek(max(file.tell() - _TAIL_BYTES, 0))
+        tail = file.read().decode(_TAILS.get(how.encoding, how.encoding), "replace")
+    lines = tail.rstrip("\0").split("\n")
+    if len(lines) < 4 or not lines[-1].strip() or lines[-1].count(how.delimiter) < (
+        len(how.names) - 1
+    ):  # fmt: skip
+        return False
+    last = [len(line.rstrip("\r").rpartition(how.delimiter)[2]) for line in lines[1:]]
+    return last[-1] < min(last[:-1])
 
 
 def _read(
@@ -94,8 +124,8 @@ def _read(
             table = _opened(path, how, text, _Lost(how.skip_lines)).read_all()
             columns |= {n: Text(table.column(n), how.decimal) for n in text}
     except pa.ArrowInvalid as error:
-        if "UTF" in str(error) and how.encoding == "utf-8":
-            return _read(path, replace(how, encoding="cp1252"), asked)
+        if "UTF" in str(error) and how.encoding == "utf-8":  # its last character is cut
+            return _read(path, replace(how, encoding="latin-1"), asked)
         if how.quotes:
             return _read(path, replace(how, quotes=False), asked)
         if "skip initial" in str(error) or "Empty CSV" in str(error):

@@ -46,7 +46,7 @@ def dialect(path: Path, reading: Reading) -> Dialect:
         head = file.read(HEAD_BYTES)
     if not head.strip(b"\x00 \t\r\n\xef\xbb\xbf"):
         raise BadInput("the file is empty")
-    encoding = reading.encoding or _encoding(head)
+    encoding = reading.encoding or _encoding(head, path)
     try:
         text = head.decode("utf-8-sig" if encoding == "utf-8" else encoding, errors="replace")
     except LookupError:
@@ -64,7 +64,7 @@ def dialect(path: Path, reading: Reading) -> Dialect:
     return replace(found, encoding=encoding, decimal=decimal)
 
 
-def _encoding(head: bytes) -> str:
+def _encoding(head: bytes, path: Path) -> str:
     for mark, name in _BOMS:
         if head.startswith(mark):
             return name
@@ -73,11 +73,19 @@ def _encoding(head: bytes) -> str:
         return "utf-16-le"
     if sum(head.count(c) for c in _CONTROL) > 0.01 * len(head.rstrip(b"\0")):
         raise BadInput("not a text file: control characters stand where a table has text")
-    try:
-        codecs.getincrementaldecoder("utf-8")().decode(head.replace(b"\0", b""))
-    except UnicodeDecodeError:
-        return "cp1252"
-    return "utf-8"
+    return next(name for name in ("utf-8", "cp1252", "latin-1") if _decodes(path, name))
+
+
+def _decodes(path: Path, encoding: str) -> bool:
+    """Whether a whole file is text in an encoding; the last character may be cut."""
+    decoder = codecs.getincrementaldecoder(encoding)()
+    with path.open("rb") as file:
+        try:
+            while block := file.read(1 << 20):
+                decoder.decode(block)
+        except UnicodeDecodeError:
+            return False
+    return True
 
 
 def _cells(lines: Sequence[str], delimiter: str) -> list[list[str]]:
