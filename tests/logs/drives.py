@@ -28,7 +28,7 @@ def drive(seconds: float = 120.0, rate_hz: float = 5.0, seed: int = 0) -> dict[s
     """Starts and stops on a bending track at 1 to 3 m/s, with a receiver's noise and slip SLIP."""
     generator = np.random.default_rng(seed)
     t = np.arange(round(seconds * rate_hz)) / rate_hz
-    v = 2.0 + 0.8 * np.sin(t / 9.0) + 0.2 * np.sin(t / 2.3)
+    v = 2.0 + 0.8 * np.sin(t / 9.0 + 3.0 * np.sin(t / 41.0)) + 0.2 * np.sin(t / 2.3)
     course = 40.0 + 60.0 * np.sin(t / 25.0)
     north = np.cumsum(v * np.cos(np.radians(course))) / rate_hz
     east = np.cumsum(v * np.sin(np.radians(course))) / rate_hz

@@ -73,7 +73,9 @@ def test_a_coarse_value_is_not_taken_for_one_carried_forward(tmp_path):
     columns = drive(rate_hz=20.0)
     ramp = np.arange(2400) // 8 * 0.01
     columns = {"t": columns["t"], "v": ramp, "wheel": 3.6 * ramp / (1 - SLIP)}
-    text = "\n".join(line for line in MAP.splitlines() if not line.startswith(("lat", "lon", "cou")))
+    text = "\n".join(
+        line for line in MAP.splitlines() if not line.startswith(("lat", "lon", "cou"))
+    )
     log = read(written(tmp_path, columns), mapped(tmp_path, text))
     assert len(log.streams["gnss"]["epoch_ns"]) == 2400
 
@@ -145,7 +147,9 @@ def test_a_spike_is_left_out(tmp_path, column, at):
 
 def test_a_speed_without_a_direction_gives_slip(tmp_path):
     columns = drive()
-    text = "\n".join(line for line in MAP.splitlines() if not line.startswith(("lat", "lon", "cou")))
+    text = "\n".join(
+        line for line in MAP.splitlines() if not line.startswith(("lat", "lon", "cou"))
+    )
     log = read(written(tmp_path, columns), mapped(tmp_path, text))
     ground, wheel = paired_speeds(log.streams)
     assert np.nanmedian(1.0 - ground / wheel) == pytest.approx(SLIP, abs=0.005)

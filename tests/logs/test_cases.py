@@ -59,9 +59,7 @@ def test_a_value_carried_forward_is_one_measurement(name):
     ],
 )
 def test_the_slip_of_a_table_and_what_is_noted(name, column_map, slip, part):
-    assert slip_of(name, column_map) == (
-        None if slip is None else pytest.approx(slip, abs=0.005)
-    )
+    assert slip_of(name, column_map) == (None if slip is None else pytest.approx(slip, abs=0.005))
     assert noted(log_of(name, column_map), part), log_of(name, column_map).notes
 
 

@@ -90,7 +90,9 @@ def test_bad_rows_are_left_out_up_to_three_and_up_to_one_percent(tmp_path, bad, 
         cells[2 * i + 1][3] = "fast"
     path, column_map = write(tmp_path, cells), write_map(tmp_path)
     if taken:
-        assert any(n.startswith(f"{bad} of {of} rows left out") for n in read(path, column_map).notes)
+        assert any(
+            n.startswith(f"{bad} of {of} rows left out") for n in read(path, column_map).notes
+        )
         return
     message = refusal(path, column_map)
     assert "row 2: 'fast' is not a number; 4 of 30 rows are bad, 1% may be" in message

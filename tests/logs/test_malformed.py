@@ -1,6 +1,5 @@
 """Whatever is thrown at `read`: a Log that obeys the contract, or one line of BadInput."""
 
-import itertools
 import tempfile
 from pathlib import Path
 
@@ -105,11 +104,7 @@ def test_rows_shuffled_repeated_and_left_out(order):
     table = rows(12)
     text = "\n".join([HEADER, *(",".join(table[i]) for i in order)])
     read = read_or_refuse(text.encode(), MAP.encode())
-    rising = max(
-        len(kept)
-        for n in range(len(order), -1, -1)
-        for kept in [longest_rise(order)]
-    )
+    rising = max(len(kept) for n in range(len(order), -1, -1) for kept in [longest_rise(order)])
     if len(order) > 1:
         assert read == (len(order) - rising <= 3)
 

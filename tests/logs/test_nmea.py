@@ -43,7 +43,8 @@ def test_sentences_of_one_time_are_one_epoch(tmp_path):
     log = read(path)
     gnss = log.streams["gnss"]  # 2023-10-23 10:15
     assert gnss["epoch_ns"].tolist() == [
-        1_698_056_100_000_000_000, 1_698_056_100_200_000_000,
+        1_698_056_100_000_000_000,
+        1_698_056_100_200_000_000,
     ]
     # 7.2 km/h east from VTG, which is finer than the knots of RMC; then 4 knots south
     np.testing.assert_allclose(gnss["v_east_mps"], [2.0, 0.0], atol=1e-12)

@@ -131,7 +131,14 @@ def test_a_reader_may_bring_its_own_map_and_the_user_the_set_up(tmp_path):
 
 def test_the_twins_own_stand_in_one_registry(tmp_path):
     assert list(READERS) == [
-        "bag", "run-folder", "parquet", "mat", "ubx", "can", "nmea", "csv",
+        "bag",
+        "run-folder",
+        "parquet",
+        "mat",
+        "ubx",
+        "can",
+        "nmea",
+        "csv",
     ]
     (tmp_path / "a.csv").write_text("$ is the first column,b\n1,2\n")
     (tmp_path / "map.toml").write_text('[log]\ntime = {column = "t", unit = "s"}\n')

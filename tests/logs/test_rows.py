@@ -1,7 +1,5 @@
 """Rows are not sacred: what is left out, what is a hole, and that the rest stays right."""
 
-import codecs
-
 import numpy as np
 import pytest
 from drives import MAP, SLIP, as_text, drive, mapped, written
@@ -149,7 +147,7 @@ def test_a_table_without_names_has_numbers_for_them(tmp_path):
 
 @pytest.mark.parametrize(
     "end",
-    [b"\0" * 500, b"\0\0\0\n", b"600.0,48.0", b',,,,,,\n,,,,,,\n,,,,,,\n,,,,,,\n,,,,,,\n', b'1,"2'],
+    [b"\0" * 500, b"\0\0\0\n", b"600.0,48.0", b",,,,,,\n,,,,,,\n,,,,,,\n,,,,,,\n,,,,,,\n", b'1,"2'],
 )
 def test_what_a_power_cut_leaves_at_the_end(tmp_path, end):
     path = written(tmp_path, drive())

@@ -1,6 +1,6 @@
 """Recorded drives: run folders, tables, NMEA, CAN, bags or a user's own kind become a `Log`.
 
-    file -> Reader -> named signals with times -> column map -> SI columns -> checks -> Log
+file -> Reader -> named signals with times -> column map -> SI columns -> checks -> Log
 """
 
 from __future__ import annotations
@@ -168,10 +168,9 @@ def _told_apart(files: Sequence[Path]) -> dict[str, Path]:
     """Files by their names. Raises BadInput for one that is named twice."""
     named: dict[str, Path] = {}
     for path in files:
-        name = path.name if path.name not in named else str(path)
-        if name in named:
+        if path.resolve() in [known.resolve() for known in named.values()]:
             raise BadInput(f"{path} is named twice")
-        named[name] = path
+        named[path.name if path.name not in named else str(path)] = path
     return named
 
 

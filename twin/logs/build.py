@@ -28,9 +28,7 @@ from twin.logs.units import UNITS
 from twin.streams import COLUMNS, Array, Setup, Streams, Table
 
 
-def log_from(
-    found: Mapping[str, Found], columns_of: ColumnMap, *, strict: bool = False
-) -> Log:
+def log_from(found: Mapping[str, Found], columns_of: ColumnMap, *, strict: bool = False) -> Log:
     """A Log of the mapped signals of one file or several. Raises BadInput that names what is wrong.
 
     Args:
@@ -59,7 +57,7 @@ def log_from(
     for label, column in columns_of.labels.items():
         file, own = holder(column, files, f"rows.{label}")
         timed = file.timed(own)
-        text[label] = labels(column, timed.signal.values), timed.epoch_ns
+        text[label] = labels(column, timed.signal.cells), timed.epoch_ns
     share = columns_of.reading.bad_rows
     limits = Limits(SHARE if share is None else share, strict)
     return _assembled(sections, text, columns_of, told, limits)
@@ -183,7 +181,9 @@ def _absent(tables: Mapping[str, Table]) -> list[str]:
             " say nothing; map [wheels] driven_speed, speed_* or ticks_*"
         )
     if "v_east_mps" not in gnss or not np.isfinite(gnss["v_east_mps"]).any():
-        notes.append("no ground speed: slip cannot be estimated; map [gnss] speed or v_east, v_north")
+        notes.append(
+            "no ground speed: slip cannot be estimated; map [gnss] speed or v_east, v_north"
+        )
     return notes
 
 

@@ -15,9 +15,9 @@ from twin.streams import Array
 LARGEST = 1e30
 """No measurement is beyond this, in any unit; infinities are, and what would overflow."""
 MISSING = frozenset({
-    "", "na", "n/a", "n.a.", "#n/a", "#n/a n/a", "#na", "#nv", "null", "none", "nan", "-nan", "+nan",
-    "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "1.#ind", "nil", "nat", "-", "--", "---", "?",
-    "missing", "invalid", "undefined", "#value!", "#div/0!", "#ref!", "#num!", "#name?", "\\n",
+    "", "na", "n/a", "n.a.", "#n/a", "#n/a n/a", "#na", "#nv", "null", "none", "nan", "-nan",
+    "+nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "1.#ind", "nil", "nat", "-", "--", "---",
+    "?", "missing", "invalid", "undefined", "#value!", "#div/0!", "#ref!", "#num!", "#name?", "\\n",
     "not available", "no data", "nodata",
 })  # fmt: skip
 """What tables write for a value that was not measured, in lower case."""

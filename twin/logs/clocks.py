@@ -19,6 +19,8 @@ from twin.streams import Array
 LEAST_CORRELATION = 0.6
 MARGIN = 0.03
 """How far the best correlation must be above any other that is not beside it."""
+CLEARLY, ROUNDING = 0.5, 1e-3
+"""Or what it leaves unexplained must be less than this share of what the other leaves."""
 LEAST_OVERLAP = 0.25
 """Share of the shorter speed that must overlap."""
 GRID = 1 << 18
@@ -60,7 +62,7 @@ def offset(reference: Speed, other: Speed) -> Offset:
 
 def _seconds(speed: Speed) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     known = np.isfinite(speed.mps)
-    return speed.epoch_ns[known] * 1e-9, np.abs(speed.mps[known])
+    return np.asarray(speed.epoch_ns[known] * 1e-9), np.abs(speed.mps[known])
 
 
 def _coarse(
@@ -74,7 +76,8 @@ def _coarse(
     best = int(np.argmax(score))
     beside = np.abs(shift - shift[best]) * step_s < 30.0
     rival = float(score[~beside].max()) if (~beside).any() else -1.0
-    if score[best] < LEAST_CORRELATION or score[best] < rival + MARGIN:
+    least_left = 1.0 - float(score[best]) + ROUNDING < CLEARLY * (1.0 - rival + ROUNDING)
+    if score[best] < LEAST_CORRELATION or not (least_left or score[best] > rival + MARGIN):
         raise BadInput(
             f"the speeds of two files do not say how far their clocks are apart (best correlation"
             f" {score[best]:.2f}, next {rival:.2f}); say it: offset_s in [log], or --offset"
@@ -110,6 +113,8 @@ def _correlations(
     cross = across(x, y) - sum_x * sum_y / pairs
     floor = 1e-4 * pairs
     score = cross / np.sqrt(np.maximum(var_x, floor) * np.maximum(var_y, floor))
+    # what few pairs agree in by chance counts less
+    score = score * np.minimum(1.0, np.sqrt(pairs / (2.0 * least)))
     score[pairs < max(least, 8.0)] = -1.0
     shift = np.arange(size)
     shift[shift >= len(b)] -= size

@@ -12,10 +12,10 @@
     [steady]     the same, and max_speed_change_kmhps: rows of steady work
     [setup]      machine, wheelbase_m, ...; [setup.gnss], ... as in `twin.streams.Setup`
 
-Every quantity may have scale and offset (value = scale x cell + offset, in its unit), sign = -1, and
-missing = [...], cells that stand for no value. A section may have a time of its own, as [log] has.
-An angle is in the compass's sense (clockwise from north) unless its `convention` is "east", the
-counter-clockwise from east that the streams use.
+Every quantity may have scale and offset (value = scale x cell + offset, in its unit), sign = -1,
+and missing = [...], cells that stand for no value. A section may have a time of its own, as
+[log] has. An angle is in the compass's sense (clockwise from north) unless its `convention` is
+"east", the counter-clockwise from east that the streams use.
 """
 
 from __future__ import annotations
@@ -150,7 +150,8 @@ def _reading(section: Mapping[str, object], folder: Path) -> Reading:
     bad_rows = _limit("log.bad_rows", section["bad_rows"]) if "bad_rows" in section else None
     offsets = _table(section.get("offset_s", {}), "log.offset_s")
     return Reading(
-        **text, dbc=tuple(folder / f for f in files), bad_rows=bad_rows,
+        encoding=text.get("encoding", ""), delimiter=text.get("delimiter", ""),
+        decimal=text.get("decimal", ""), dbc=tuple(folder / f for f in files), bad_rows=bad_rows,
         offset_s={name: _number(f"log.offset_s.{name}", v) for name, v in offsets.items()},
     )  # fmt: skip
 

@@ -86,7 +86,7 @@ def _speed(file: Columns, files: list[Columns], columns_of: ColumnMap) -> Speed 
             north = columns_of.columns[section]["v_north"]
             other = file.timed(holder(north.column, files, "gnss.v_north")[1], section)
             if len(other.epoch_ns) == len(mps):
-                mps = np.hypot(mps, si_values(
-                    section, "v_north", north, other.signal, other.at, columns_of, Told()))  # fmt: skip
+                more = other.signal, other.at, columns_of, Told()
+                mps = np.hypot(mps, si_values(section, "v_north", north, *more))
         return Speed(epoch_ns=timed.epoch_ns, mps=mps)
     return None

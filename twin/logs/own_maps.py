@@ -32,9 +32,7 @@ def completed(given: ColumnMap | None, found: Mapping[str, Found]) -> ColumnMap:
     return columns_of
 
 
-def _of(
-    name: str, found: Mapping[str, Found], sources: Mapping[str, Source]
-) -> dict[str, Source]:
+def _of(name: str, found: Mapping[str, Found], sources: Mapping[str, Source]) -> dict[str, Source]:
     """Sources that say which file they are of, where there are several."""
     if len(found) == 1:
         return dict(sources)

@@ -55,11 +55,13 @@ def si_values(
         told: takes the notes and the losses.
     """
     quantity, name = QUANTITIES[section][key], source.column
-    raw, wrong = numbers(name, signal.values)
+    raw, wrong = numbers(name, signal.cells)
     table = "log" if signal.epoch_ns is None else name
     if wrong.any():
         row = int(np.argmax(wrong))
-        says = f"column {quoted(name)}, row {at[row]}: {_not_a_number(cell_text(signal.values, row))}"
+        says = (
+            f"column {quoted(name)}, row {at[row]}: {_not_a_number(cell_text(signal.cells, row))}"
+        )
         told.losses.append(Loss(table, at[wrong], len(raw), says))
     holes = given_as_missing(raw, source.missing)
     factor = _factor(section, key, quantity, source.unit, columns_of.setup)

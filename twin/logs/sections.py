@@ -63,12 +63,12 @@ class Columns:
                     f"column {quoted(name)} has {len(signal.values)} rows and"
                     f" {len(table.kept)} times"
                 )
-            rows = Signal(kept(signal.values, table.kept))
+            rows = Signal(kept(signal.cells, table.kept))
             return Timed(rows, table.epoch_ns - self.shift_ns, self._numbers(table.kept))
         numbered = np.arange(1, len(signal.epoch_ns) + 1)
         rising, losses = in_order(name, signal.epoch_ns, numbered, name, len(numbered))
         self._told.losses += losses
-        rows = Signal(kept(signal.values, rising), signal.epoch_ns[rising])
+        rows = Signal(kept(signal.cells, rising), signal.epoch_ns[rising])
         return Timed(rows, signal.epoch_ns[rising] - self.shift_ns, numbered[rising])
 
     def used(self, column: str, name: str) -> None:
@@ -93,9 +93,7 @@ class Columns:
             raise BadInput('the column map has no [log] time = {column = "...", unit = "s"}')
         if time.column not in self._stamps:
             signal = named(time.column, self.found.signals, "log.time")
-            made = stamps(
-                time.column, signal.values, time.unit, time.layout, self.found.row, "log"
-            )
+            made = stamps(time.column, signal.cells, time.unit, time.layout, self.found.row, "log")
             self._told.losses += made.losses
             self._stamps[time.column] = made
         return self._stamps[time.column]

@@ -26,6 +26,11 @@ class Signal:
     epoch_ns: NDArray[np.int64] | None = None
     """When each was measured, rising; None for a column of a table, whose rows share a time."""
 
+    @property
+    def cells(self) -> Cells:
+        """The values, a list of texts as Text."""
+        return Text.of(self.values) if isinstance(self.values, list) else self.values
+
 
 @dataclass(frozen=True, kw_only=True)
 class Found:

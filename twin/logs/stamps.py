@@ -214,8 +214,10 @@ def _says(name: str, cells: Cells, at: int, row: int, unit: str) -> str:
     if unit == TIMESTAMP and cell.strip(" \t\x00\"'"):
         hint = 'say it as format = "%d.%m.%Y %H:%M:%S", or whatever it is'
         return f"{place}: {quoted(cell)} is not an ISO 8601 time; {hint}"
-    value, wrong = numbers(name, cells.kept(_only(len(cells), row)) if isinstance(cells, Text)
-                           else cells[row : row + 1]) if unit != TIMESTAMP else ([np.nan], [False])  # fmt: skip
+    if unit == TIMESTAMP:
+        return f"{place}: no time"
+    only = _only(len(cells), row)
+    value, wrong = numbers(name, cells.kept(only) if isinstance(cells, Text) else cells[only])
     if wrong[0]:
         return f"{place}: {quoted(cell)} is not a number"
     if np.isnan(value[0]):
@@ -224,4 +226,4 @@ def _says(name: str, cells: Cells, at: int, row: int, unit: str) -> str:
 
 
 def _only(count: int, row: int) -> NDArray[np.bool_]:
-    return np.arange(count) == row
+    return np.asarray(np.arange(count) == row)

@@ -20,6 +20,4 @@ def needed(module: str, extra: str, what: str, package: str) -> Any:
     try:
         return import_module(module)
     except ImportError:
-        raise BadInput(
-            f"{what} need {package}: pip install 'tractor-twin[{extra}]'"
-        ) from None
+        raise BadInput(f"{what} need {package}: pip install 'tractor-twin[{extra}]'") from None

@@ -166,7 +166,7 @@ def _yaw(gnss: Table, imu: Table) -> list[str]:
     time_s = (imu["epoch_ns"][turned] - start) * 1e-9
     by_gyro = np.interp(at_s, time_s, _integral(time_s, rate[turned]))
     by_angle = np.unwrap(heading[known])
-    rows = max(int(round(5.0 / max(float(np.median(np.diff(at_s))), 1e-3))), 1)
+    rows = max(round(5.0 / max(float(np.median(np.diff(at_s))), 1e-3)), 1)
     change = np.stack([by_gyro[rows:] - by_gyro[:-rows], by_angle[rows:] - by_angle[:-rows]])
     inside = (at_s[rows:] <= time_s[-1]) & (at_s[:-rows] >= time_s[0])
     inside &= at_s[rows:] - at_s[:-rows] < 10.0

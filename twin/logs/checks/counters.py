@@ -33,7 +33,9 @@ def unwrapped(
     wraps = (folded != step) & (np.abs(folded) <= 3.0 * _small(step, modulus) + 2.0)
     if wraps.any() and span >= SPAN * modulus and np.mean(wraps) < 0.34:
         step = np.where(wraps, folded, step)
-        notes.append(f"a counter of {int(np.log2(modulus))} bits unwrapped {int(wraps.sum())} times")
+        notes.append(
+            f"a counter of {int(np.log2(modulus))} bits unwrapped {int(wraps.sum())} times"
+        )
         usual = np.quantile(np.abs(step), 0.99)
     jumps = np.abs(step) > JUMP * max(usual, 1.0)
     if jumps.any() and np.mean(jumps) < 0.1:

@@ -30,9 +30,7 @@ def unknown(
     at_s = (wheel_ns - ground_ns[0]) * 1e-9
     time_s = (ground_ns[known] - ground_ns[0]) * 1e-9
     near = np.interp(at_s, time_s, ground_mps[known])
-    right = np.clip(np.searchsorted(time_s, at_s), 1, max(len(time_s) - 1, 1)) if len(time_s) > 1 else (
-        np.zeros(len(at_s), np.int64)
-    )  # fmt: skip
+    right = np.clip(np.searchsorted(time_s, at_s), 0, len(time_s) - 1)
     left = np.maximum(right - 1, 0)
     age_s = np.minimum(np.abs(at_s - time_s[left]), np.abs(at_s - time_s[right]))
     doubted = zero & (near > MOVING_MPS) & (age_s < HELD_S)

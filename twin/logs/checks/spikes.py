@@ -41,7 +41,9 @@ def spikes(values: Array, time_s: Array, kind: str) -> NDArray[np.bool_]:
     piece = np.searchsorted(ends, at, side="right") - 1
     long = ends[piece + 1] - ends[piece] > 2 * NEIGHBOURS
     for i, j in zip(at[~long], piece[~long], strict=True):
-        found[known[i]] = _apart(x[ends[j] : ends[j + 1]], int(i - ends[j])) > apart + per_s * step_s
+        found[known[i]] = (
+            _apart(x[ends[j] : ends[j + 1]], int(i - ends[j])) > apart + per_s * step_s
+        )
     at, piece = at[long], piece[long]
     if not len(at):
         return found

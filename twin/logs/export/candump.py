@@ -15,8 +15,10 @@ from twin.logs.readers import bus_parameters as bus
 from twin.streams import Array, Setup, Streams
 
 CHANNEL = "can0"
-_SENDERS = {61444: 0x00, 61443: 0x00, 65266: 0x00, 65265: 0x03, 65215: 0x0B, 65096: 0x03,
-            65093: 0x05, 129025: 0x1C, 129026: 0x1C, 129029: 0x1C, 127250: 0x1C, 127251: 0x1C}  # fmt: skip
+_SENDERS = {
+    61444: 0x00, 61443: 0x00, 65266: 0x00, 65265: 0x03, 65215: 0x0B, 65096: 0x03, 65093: 0x05,
+    129025: 0x1C, 129026: 0x1C, 129029: 0x1C, 127250: 0x1C, 127251: 0x1C,
+}  # fmt: skip
 """Parameter group -> source address: engine, transmission, brakes, hitch, GNSS."""
 _PRIORITY = {61444: 3, 61443: 3, 129025: 2, 129026: 2, 127250: 2, 127251: 2, 129029: 3, 65096: 3}
 _HELD = {
@@ -45,7 +47,9 @@ def write_candump(streams: Streams, setup: Setup, directory: Path) -> list[str]:
             _, identifier, data = groups[which[i]]
             stamp_us = (int(times[i]) + 500) // 1000
             stamp = f"{stamp_us // 1_000_000}.{stamp_us % 1_000_000:06d}"
-            file.write(f"({stamp}) {CHANNEL} {identifier:08X}#{data[row[i]].tobytes().hex().upper()}\n")
+            file.write(
+                f"({stamp}) {CHANNEL} {identifier:08X}#{data[row[i]].tobytes().hex().upper()}\n"
+            )
     (directory / "map.toml").write_text(maps.map_text({}, setup), encoding="utf-8")
     return maps.left_out(streams, _HELD)
 
@@ -74,13 +78,14 @@ def identifier_of(pgn: int) -> int:
 def _machine(streams: Streams) -> Iterator[_Frames]:
     if "machine" not in streams:
         return
-    epoch_ns, column = streams["machine"]["epoch_ns"], lambda name: streams.column("machine", name)
-    for pgn, name, values in (
-        (61444, "engine_speed", column("engine_radps") * 30.0 / math.pi),
-        (61443, "engine_load", column("engine_load") * 100.0),
-        (65266, "fuel_rate", column("fuel_lph")),
-        (65093, "draft", column("draft_pin_n")),
+    epoch_ns = streams["machine"]["epoch_ns"]
+    for pgn, name, column, per_unit in (
+        (61444, "engine_speed", "engine_radps", 30.0 / math.pi),
+        (61443, "engine_load", "engine_load", 100.0),
+        (65266, "fuel_rate", "fuel_lph", 1.0),
+        (65093, "draft", "draft_pin_n", 1.0),
     ):
+        values = streams.column("machine", column) * per_unit
         known = np.isfinite(values)
         if known.any():
             yield _group(pgn, epoch_ns, {name: values})

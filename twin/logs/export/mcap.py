@@ -187,10 +187,8 @@ def _scalars(bag: _Bag, streams: Streams, sensor: str) -> dict[str, dict[str, ob
     for column, values in streams[sensor].items():
         if column in _SCALARS and np.isfinite(values).any():
             key, unit = _SCALARS[column]
-            topic = f"/{sensor}/{key}"
-            bag.topic(
-                topic, "std_msgs/Float64", streams[sensor]["epoch_ns"].tolist(),
-                lambda i, t, values=values: bag.make("std_msgs/Float64", data=float(values[i])),
-            )  # fmt: skip
+            topic, epochs = f"/{sensor}/{key}", streams[sensor]["epoch_ns"].tolist()
+            messages = [bag.make("std_msgs/Float64", data=float(v)) for v in values]
+            bag.topic(topic, "std_msgs/Float64", epochs, lambda i, t: messages[i])  # noqa: B023
             sources[key] = _source(f"{topic}.data", unit)
     return sources

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-
 from twin.errors import BadInput
 from twin.logs.export import maps
 from twin.logs.quantities import QUANTITIES

@@ -131,7 +131,7 @@ def _time_unit(name: str, signal: Signal) -> str:
     values = signal.values
     if not isinstance(values, Text | list) and values.dtype.kind == "M":
         return TIMESTAMP
-    cells = Text.of(values) if isinstance(values, list) else values
+    cells = signal.cells
     number, wrong = numbers(name, cells)
     known = number[np.isfinite(number)]
     if len(known) < 2 or wrong.mean() > 0.5:
@@ -285,8 +285,8 @@ def _track(
         a, o = north * unit, east * unit
         if np.abs(a).max() > math.pi / 2:
             return None
-        middle = float(np.median(a)), float(np.median(o)), 0.0
-        east, north, _ = enu_m(a, o, np.zeros(len(a)), middle)
+        origin = float(np.median(a)), float(np.median(o)), 0.0
+        east, north, _ = enu_m(a, o, np.zeros(len(a)), origin)
     step = max(round(2.0 / max(float(np.median(np.diff(time_s))), 1e-6)), 1)
     if len(time_s) <= step:
         return None
@@ -384,7 +384,7 @@ def _fit_yaw(by_key: dict[str, Guess], seen: Mapping[str, Seen]) -> None:
     heading = np.unwrap(turn.values[known] * UNITS["angle"][angle.unit]) * sense
     step = np.diff(gyro.time_s[own], prepend=gyro.time_s[own][0])
     summed = np.interp(turn.time_s[known], gyro.time_s[own], np.cumsum(gyro.values[own] * step))
-    rows = max(round(3.0 / max(float(np.median(np.diff(turn.time_s[known]))), 1e-6)), 1)
+    rows = max(round(10.0 / max(float(np.median(np.diff(turn.time_s[known]))), 1e-6)), 1)
     change, by_gyro = heading[rows:] - heading[:-rows], summed[rows:] - summed[:-rows]
     turning = (np.abs(change) > 0.15) & (np.abs(change) < math.pi)
     if turning.sum() < 5:

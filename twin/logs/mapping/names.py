@@ -63,16 +63,16 @@ TIME_NAMES = re.compile(
 )
 UNIT_NAMES: tuple[tuple[str, str], ...] = (
     (r"km[/_ ]?h|kph|kmh", "km/h"), (r"m[/_]s2|mps2|m s 2|m[/_]s\^2|m[/_]s²", "m/s2"),
-    (r"deg(rees?)?[/_ ]?(per[_ ])?s(ec)?\b|dps|°/s", "deg/s"), (r"rad[/_ ]?s\b|radps|rad/s", "rad/s"),
+    (r"deg(rees?)?[/_ ]?(per[_ ])?s(ec)?\b|dps|°/s", "deg/s"), 
+    (r"rad[/_ ]?s\b|radps|rad/s", "rad/s"),
     (r"\bm[/_]s\b|mps|m s 1", "m/s"), (r"mph", "mph"), (r"knots?|kts?\b|\bkn\b", "kn"),
-    (r"rpm|u/min|1/min|min-1", "rpm"), (r"deg|°|grad\b", "deg"), (r"\brad\b|_rad\b", "rad"),
+    (r"rpm|u/min|1/min|min-1", "rpm"), (r"deg|°|grad\b", "deg"), (r"\brad\b", "rad"),
     (r"%|pct|percent|prozent", "%"), (r"l[/_ ]?h\b|lph|l/h", "L/h"), (r"\bkN\b", "kN"),
-    (r"_n\b|\[N\]|\(N\)|newton", "N"), (r"kNm", "kNm"), (r"\bNm\b|_nm\b", "Nm"),
-    (r"\bms\b|_ms\b|millis", "ms"), (r"\bus\b|_us\b|micros", "us"), (r"\bns\b|_ns\b|nanos", "ns"),
-    (r"\bs\b|_s\b|sec", "s"), (r"\bmm\b", "mm"), (r"\bcm\b", "cm"), (r"\bm\b|_m\b", "m"),
-    (r"\bg\b|_g\b", "g"),
+    (r"\b[Nn]\b|[Nn]ewton", "N"), (r"kNm", "kNm"), (r"\b[Nn]m\b", "Nm"),
+    (r"\bms\b|millis", "ms"), (r"\bus\b|micros", "us"), (r"\bns\b|nanos", "ns"),
+    (r"\bs\b|sec", "s"), (r"\bmm\b", "mm"), (r"\bcm\b", "cm"), (r"\bm\b", "m"), (r"\bg\b", "g"),
 )  # fmt: skip
-"""Pattern in a name, as it is written -> unit; the first that the quantity can have counts."""
+"""Pattern in a name, with blanks for underscores -> unit; the first that the quantity can have counts."""
 
 
 def plain(name: str) -> str:
@@ -100,7 +100,7 @@ def unit_of(name: str, allowed: tuple[str, ...]) -> str:
     """The unit that a name says, of those allowed, or nothing."""
     for pattern, unit in UNIT_NAMES:
         folds = unit not in ("kN", "N", "Nm", "kNm")
-        if unit in allowed and re.search(pattern, name, re.IGNORECASE if folds else 0):
+        if unit in allowed and re.search(pattern, name.replace("_", " "), re.IGNORECASE if folds else 0):
             return unit
     return ""
 

@@ -36,12 +36,17 @@ class Parameter:
     marine: bool = False
     """Of NMEA 2000, where only the two highest values are none."""
 
+    @property
+    def _codes(self) -> int:
+        """How many of the highest values are codes: from 0xFB.. on, or two of NMEA 2000."""
+        return 2 if self.marine else 5 * 2 ** (8 * (self.size - 1))
+
     def of(self, data: NDArray[np.uint8]) -> NDArray[np.float64]:
         """Values of frames, NaN where not available or in error. data: (n, bytes)."""
         raw = unsigned(data, self.byte, self.size)
         top = np.uint64(2 ** (8 * self.size - self.signed) - 1)
-        codes = np.uint64(1 if self.marine else 2 ** (8 * (self.size - 1)) * 5 - 1)
-        none = raw > top - codes if not self.signed else (raw == top) | (raw == top - codes)
+        codes = np.uint64(self._codes)
+        none = raw > top - codes if not self.signed else (raw <= top) & (raw > top - codes)
         if self.signed:
             shift = np.uint64(64 - 8 * self.size)
             number = ((raw << shift).view(np.int64) >> np.int64(shift)).astype(np.float64)
@@ -53,10 +58,9 @@ class Parameter:
         """Raw fields of values; not available where NaN or beyond the field."""
         top = 2 ** (8 * self.size - self.signed) - 1
         none = np.uint64(2 ** (8 * self.size) - 1 if not self.signed else top)
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore", over="ignore"):
             number = np.round((values - self.offset) / self.scale)
-            codes = 1 if self.marine else 2 ** (8 * (self.size - 1)) * 5 - 1
-            fits = (number <= top - codes - 1) & (number >= (-top if self.signed else 0))
+            fits = (number <= top - self._codes) & (number >= (-top if self.signed else 0))
         whole = np.where(fits, number, 0.0).astype(np.int64).view(np.uint64)
         mask = np.uint64(2 ** (8 * self.size) - 1 if self.size < 8 else 2**64 - 1)
         return np.where(fits, whole & mask, none)
@@ -67,7 +71,9 @@ def unsigned(data: NDArray[np.uint8], byte: int, size: int) -> NDArray[np.uint64
     if data.shape[1] < byte - 1 + size:
         return np.full(len(data), 2 ** (8 * size) - 1, np.uint64)
     field = data[:, byte - 1 : byte - 1 + size].astype(np.uint64)
-    return np.asarray((field << (8 * np.arange(size, dtype=np.uint64))).sum(axis=1, dtype=np.uint64))
+    return np.asarray(
+        (field << (8 * np.arange(size, dtype=np.uint64))).sum(axis=1, dtype=np.uint64)
+    )
 
 
 _KMH = 1.0 / 256.0

@@ -42,7 +42,7 @@ class Can(Reader):
             groups = np.unique(bus.group_of(frames.identifier[frames.extended]))
             raise BadInput(
                 f"{len(frames.epoch_ns)} frames of {len(groups)} groups, and none that is known by"
-                " name; dbc = \"FILE\" in [log] says what is in them"
+                ' name; dbc = "FILE" in [log] says what is in them'
             )
         named, repeated = _named(decoded), 0
         signals = {}
@@ -166,17 +166,17 @@ def _of_message(frames: Frames, message: Plain) -> Iterator[_Decoded]:
         rows = ~frames.extended & (frames.identifier == message.frame_id)
     for identifier in np.unique(frames.identifier[rows]):
         own = np.flatnonzero(rows & (frames.identifier == identifier))
-        values: dict[str, list[float]] = {s.name: [] for s in message.signals}
+        told_of: dict[str, list[float]] = {s.name: [] for s in message.signals}
         for row in own:
             body = frames.data[row, : frames.length[row]].tobytes()
             try:
                 told = message.decode(body, decode_choices=False, allow_truncated=True)
             except Exception:  # a frame that is not as the DBC says
                 told = {}
-            for name, column in values.items():
-                column.append(float(told.get(name, np.nan)))
+            for name, values in told_of.items():
+                values.append(float(told.get(name, np.nan)))
         for signal in message.signals:
-            column = np.array(values[signal.name])
+            column = np.array(told_of[signal.name])
             if message.is_extended_frame and signal.length in (8, 16, 32):
                 raw = (column - float(signal.offset)) / float(signal.scale)
                 column = np.where(raw >= 0xFB * 2.0 ** (signal.length - 8), np.nan, column)

@@ -1,4 +1,4 @@
-"""CSV: a header, then rows of as many cells. Arrow cuts it; a row that cannot be cut is left out."""
+"""CSV: a header, then rows of as many cells, cut by Arrow; a row that is not so is left out."""
 
 from __future__ import annotations
 

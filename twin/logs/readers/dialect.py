@@ -17,7 +17,7 @@ from twin.logs.readers.reading import Reading
 HEAD_BYTES = 1 << 18
 SAMPLE_LINES = 200
 _DELIMITERS = (",", ";", "\t", "|")
-_BOMS = ((codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))  # fmt: skip
+_BOMS = ((codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
 _COMMA_NUMBER = re.compile(r"^[+-]?[0-9]+,[0-9]+([eE][+-]?[0-9]+)?$")
 _NUMBER = re.compile(NUMBER)
 _CONTROL = frozenset(range(1, 9)) | frozenset(range(14, 32))

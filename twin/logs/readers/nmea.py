@@ -33,6 +33,10 @@ KEYS: dict[str, tuple[str, str]] = {
     "satellites": ("satellites", "1"),
 }  # fmt: skip
 """Key of [gnss] -> signal and its unit. Angles clockwise from north as in the sentences."""
+EARTH_M = 6.37e6
+CLEARLY = 0.5
+"""Share of the other's misfit at which one order of the sentences of a burst is clearly right."""
+FEWEST = 8
 _PLACE = ("latitude_deg", "longitude_deg", "height_m")
 
 
@@ -55,9 +59,7 @@ class Nmea(Reader):
         void = sum(s.void for s in usable)
         if void:
             notes.append(f"{void} sentences in which the receiver says it has no fix left out")
-        epochs = _Epochs(leading=_leading(usable))
-        for sentence in usable:
-            epochs.take(sentence)
+        epochs = _gathered(usable)
         if not epochs.time_ms:
             why = losses[0].says if losses else notes[0] if notes else "is it an NMEA 0183 log?"
             raise BadInput(f"no GGA or RMC sentence with a correct checksum and a fix; {why}")
@@ -90,16 +92,23 @@ def _losses(unusable: Sequence[Unusable], of: int) -> list[Loss]:
     return losses
 
 
-def _leading(usable: Sequence[Sentence]) -> bool:
-    """Whether sentences without a time stand before those with one in a burst.
+def _gathered(usable: Sequence[Sentence]) -> _Epochs:
+    """The epochs, with sentences that have no time before or after those of their burst.
 
-    A log that begins with one and ends with a time is whole only then; and where the speed says
-    otherwise than the ends, it counts.
+    Where one of the two makes speeds that fit the positions much better, it counts. Else a log that
+    begins with a sentence without a time and ends with one that has it is whole only if they lead.
     """
+    both = {leading: _Epochs(leading=leading) for leading in (False, True)}
+    for epochs in both.values():
+        for sentence in usable:
+            epochs.take(sentence)
+    misfit = {leading: epochs.misfit_mps() for leading, epochs in both.items()}
+    for leading in (False, True):
+        if misfit[leading] < CLEARLY * misfit[not leading]:
+            return both[leading]
     told = [s for s in usable if s.values or s.void]
-    if not told:
-        return False
-    return told[0].day_ms is None and told[-1].day_ms is not None
+    ends = bool(told) and told[0].day_ms is None and told[-1].day_ms is not None
+    return both[ends]
 
 
 class _Epochs:
@@ -162,6 +171,21 @@ class _Epochs:
                 if key == "latitude_deg":
                     self._digits[-1] = sentence.digits
 
+    def misfit_mps(self) -> float:
+        """How far, at the median, speeds are off those of the positions; NaN without both."""
+        columns = self.columns()
+        if not {"latitude_deg", "longitude_deg", "speed_mps"} <= set(columns):
+            return np.nan
+        lat, lon = np.radians(columns["latitude_deg"]), np.radians(columns["longitude_deg"])
+        time_s = self.epoch_ns() * 1e-9
+        north, east = EARTH_M * np.diff(lat), EARTH_M * np.cos(lat[1:]) * np.diff(lon)
+        step_s = np.where(np.diff(time_s) > 0.0, np.diff(time_s), np.nan)
+        between = np.hypot(east, north) / step_s
+        by_place = 0.5 * (between[1:] + between[:-1])
+        off = np.abs(columns["speed_mps"][1:-1] - by_place)
+        off = off[np.isfinite(off)]
+        return float(np.median(off)) if len(off) >= FEWEST else np.nan
+
     def epoch_ns(self) -> NDArray[np.int64]:
         """Times of the epochs [ns]."""
         start_ms = 0
@@ -188,4 +212,4 @@ class _Epochs:
         ranks = np.array([v.get("latitude_deg", (0.0, 0.0))[0] for v in self._values])
         digits = np.array(self._digits)
         best = digits[ranks >= 2.0].max(initial=0)
-        return (ranks == 1.0) & (digits < best)
+        return np.asarray((ranks < 1.5) & (ranks > 0.0) & (digits < best))

@@ -24,7 +24,8 @@ _GOOD = {4: 0.6, 5: 0.5, 2: 0.4, 3: 0.4, 1: 0.3, 7: 0.2, 8: 0.1, 6: 0.1}
 """How good a GGA quality is, for two sentences of one time."""
 _GNS_QUALITY = {"R": 4, "F": 5, "D": 2, "P": 3, "A": 1, "E": 6, "M": 7, "S": 8}
 _BOARD = (
-    "time", "lat", "NS", "lon", "EW", "quality", "numSV", "HDOP", "alt", "diffAge", "spd", "heading",
+    "time", "lat", "NS", "lon", "EW", "quality", "numSV", "HDOP", "alt", "diffAge", "spd",
+    "heading",
 )  # fmt: skip
 _OWN_LAYOUTS: dict[str, tuple[str, ...]] = {
     "PANDA": _BOARD,
@@ -34,7 +35,7 @@ _OWN_LAYOUTS: dict[str, tuple[str, ...]] = {
         "headQuality", "numSVaux", "numSV",
     ),
 }  # fmt: skip
-NO_PNMEA_HEADING = 65535.0
+NO_HEADING = 65535.0
 """What a PANDA board without an IMU writes for the heading."""
 
 
@@ -94,16 +95,27 @@ def _sentence(line: int, text: str) -> Sentence | Unusable:
     fields = dict(zip(_layout(kind), payload, strict=False))
     try:
         told = _READERS[kind](_Fields(fields, payload))
-        time = None if not fields.get("time") else _time_of_day_ms(fields["time"])
-        date = told.pop("date", None)
+        time_ms = _time_of_day_ms(fields["time"]) if fields.get("time") else None
     except (ValueError, IndexError, OverflowError, KeyError) as error:
         return Unusable(line, f"{kind} cannot be read ({error}): {text[:60]!r}", False)
-    extra = {k: told.pop(k) for k in ("day_ms", "rank", "void", "digits") if k in told}
-    if kind in ("GGA", "GNS"):
-        extra["rank"] += 0.05 * (talker == "GN")
-    extra.setdefault("day_ms", time)
-    values = {k: v for k, v in told.items() if isinstance(v, float) and not math.isnan(v)}
-    return Sentence(line=line, kind=kind, date=date, values=values, **extra)
+    return Sentence(
+        line=line, kind=kind, date=told.date,
+        day_ms=time_ms if told.day_ms is None else told.day_ms,
+        values={k: v for k, v in told.values.items() if not math.isnan(v)},
+        rank=told.rank + 0.05 * (talker == "GN"), digits=told.digits, void=told.void,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Told:
+    """What the fields of a sentence say."""
+
+    values: Mapping[str, float] = field(default_factory=dict)
+    rank: float = 1.0
+    digits: int = 0
+    date: datetime.date | None = None
+    day_ms: int | None = None
+    void: bool = False
 
 
 def _layout(kind: str) -> tuple[str, ...]:
@@ -140,48 +152,43 @@ class _Fields:
         return {"latitude_deg": latitude, "longitude_deg": longitude}, digits
 
 
-_Told = dict[str, "float | int | bool | datetime.date | None"]
-
-
 def _gga(f: _Fields) -> _Told:
     f.need(9)
     quality = f.number("quality")
-    told: _Told = {"quality": quality, "satellites": f.number("numSV")}
-    told["rank"] = 3.0 + _GOOD.get(int(quality) if quality == quality else 0, 0.0)
-    if quality > 0:
-        place, digits = f.place()
-        told |= {**place, "height_m": f.number("alt"), "digits": digits}
-    return told
+    values = {"quality": quality, "satellites": f.number("numSV")}
+    rank = 3.0 + _GOOD.get(int(quality) if quality == quality else 0, 0.0)
+    if not quality > 0:
+        return _Told(values=values, rank=rank)
+    place, digits = f.place()
+    return _Told(values={**values, **place, "height_m": f.number("alt")}, rank=rank, digits=digits)
 
 
 def _gns(f: _Fields) -> _Told:
     f.need(9)
     modes = [_GNS_QUALITY[m] for m in f["posMode"] if m in _GNS_QUALITY]
     quality = max(modes, key=lambda q: _GOOD[q], default=0)
-    told: _Told = {"quality": float(quality), "satellites": f.number("numSV")}
-    told["rank"] = 2.5 + _GOOD.get(quality, 0.0)
-    if quality > 0:
-        place, digits = f.place()
-        told |= {**place, "height_m": f.number("alt"), "digits": digits}
-    return told
+    values = {"quality": float(quality), "satellites": f.number("numSV")}
+    rank = 2.5 + _GOOD.get(quality, 0.0)
+    if not quality:
+        return _Told(values=values, rank=rank)
+    place, digits = f.place()
+    return _Told(values={**values, **place, "height_m": f.number("alt")}, rank=rank, digits=digits)
 
 
 def _rmc(f: _Fields) -> _Told:
     f.need(9)
     if f["status"] != "A" or f["posMode"] == "N":
-        return {"void": True}
+        return _Told(void=True)
     place, digits = f.place()
-    return {
-        **place, "speed_mps": f.number("spd") * _KNOT, "course_deg": f.number("cog"),
-        "date": _date(f["date"]), "digits": digits,
-    }  # fmt: skip
+    values = {**place, "speed_mps": f.number("spd") * _KNOT, "course_deg": f.number("cog")}
+    return _Told(values=values, date=_date(f["date"]), digits=digits)
 
 
 def _vtg(f: _Fields) -> _Told:
     """VTG by its unit letters T, M, N, K, wherever they stand; km/h, which are finer, first."""
     f.need(8)
     if f.payload[8:] and f.payload[8].strip() == "N":
-        return {"void": True}
+        return _Told(void=True)
     by_letter = {
         letter.strip(): _number(value.strip())
         for value, letter in zip(f.payload[0:8:2], f.payload[1:8:2], strict=True)
@@ -190,31 +197,33 @@ def _vtg(f: _Fields) -> _Told:
         raise ValueError(f"unit letters {', '.join(f.payload[1:8:2])}")
     kmh, knots = by_letter.get("K", _NAN), by_letter.get("N", _NAN)
     speed_mps = knots * _KNOT if math.isnan(kmh) else kmh * _KMH
-    return {"course_deg": by_letter["T"], "speed_mps": speed_mps, "rank": 2.0}
+    return _Told(values={"course_deg": by_letter["T"], "speed_mps": speed_mps}, rank=2.0)
 
 
 def _hdt(f: _Fields) -> _Told:
-    return {"heading_deg": f.number("headingT")}
+    return _Told(values={"heading_deg": f.number("headingT")})
 
 
 def _ths(f: _Fields) -> _Told:
-    return {} if f["mi"] == "V" else {"heading_deg": f.number("headt")}
+    return _Told() if f["mi"] == "V" else _Told(values={"heading_deg": f.number("headt")})
 
 
 def _pashr(f: _Fields) -> _Told:
-    if not f["utctime"][:1].isdigit():
-        return {}  # another of Ashtech's sentences
-    quality = f.number("gnssQual")
-    return {} if quality == 0 else {"heading_deg": f.number("trueHdg"), "rank": 1.5}
+    another = not f["utctime"][:1].isdigit()  # of Ashtech's sentences
+    if another or f.number("gnssQual") == 0:
+        return _Told()
+    return _Told(values={"heading_deg": f.number("trueHdg")}, rank=1.5)
 
 
-def _board(f: _Fields, tenth: float) -> _Told:
+def _board(f: _Fields, degrees: float) -> _Told:
     f.need(12)
-    heading = f.number("heading")
-    told = {**_gga(f), "rank": 2.0, "speed_mps": f.number("spd") * _KNOT}
-    if heading != NO_PNMEA_HEADING:
-        told["heading_deg"] = heading * tenth
-    return told if f.number("quality") > 0 else {"void": True}
+    if not f.number("quality") > 0:
+        return _Told(void=True)
+    fix, heading = _gga(f), f.number("heading")
+    values = {**fix.values, "speed_mps": f.number("spd") * _KNOT}
+    if heading != NO_HEADING:
+        values["heading_deg"] = heading * degrees
+    return _Told(values=values, rank=2.0, digits=fix.digits)
 
 
 def _panda(f: _Fields) -> _Told:
@@ -230,19 +239,19 @@ def _paogi(f: _Fields) -> _Told:
 def _ksxt(f: _Fields) -> _Told:
     f.need(13)
     stamp, quality = f["stamp"], f.number("quality")
-    told: _Told = {"day_ms": _time_of_day_ms(stamp[8:]), "rank": 2.0}
-    told["date"] = datetime.date(int(stamp[:4]), int(stamp[4:6]), int(stamp[6:8]))
-    if quality == 0:
-        return {**told, "void": True}
-    told |= {
+    day_ms = _time_of_day_ms(stamp[8:])
+    date = datetime.date(int(stamp[:4]), int(stamp[4:6]), int(stamp[6:8]))
+    if not quality > 0:
+        return _Told(day_ms=day_ms, date=date, void=True)
+    values = {
         "latitude_deg": f.number("lat"), "longitude_deg": f.number("lon"),
         "height_m": f.number("alt"), "course_deg": f.number("track"),
         "speed_mps": f.number("spd") * _KMH, "satellites": f.number("numSV"),
-        "quality": {1.0: 1.0, 2.0: 5.0, 3.0: 4.0}.get(quality, _NAN), "digits": 9,
+        "quality": {1.0: 1.0, 2.0: 5.0, 3.0: 4.0}.get(quality, _NAN),
     }  # fmt: skip
     if f.number("headQuality") > 0:
-        told["heading_deg"] = f.number("heading")
-    return told
+        values["heading_deg"] = f.number("heading")
+    return _Told(values=values, rank=2.0, digits=9, date=date, day_ms=day_ms)
 
 
 _READERS: dict[str, Callable[[_Fields], _Told]] = {

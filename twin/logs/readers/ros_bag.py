@@ -51,7 +51,9 @@ class Bag(Reader):
         except BadInput:
             raise
         except Exception as error:  # a damaged file fails anywhere in it
-            raise BadInput(f"not a bag that can be read ({type(error).__name__}: {error})") from None
+            raise BadInput(
+                f"not a bag that can be read ({type(error).__name__}: {error})"
+            ) from None
         if not topics:
             raise BadInput("a bag without a message that holds a number")
         notes = [f"{topic}: {why}" for topic, why in lost.items()]
@@ -70,7 +72,7 @@ class _Topic:
     def take(self, time_ns: int, message: Plain) -> None:
         """Add a message."""
         self._times.append(_stamp_ns(message) or time_ns)
-        self._rows.append({path: value for path, value in _numbers(message, "")})
+        self._rows.append(dict(_numbers(message, "")))
 
     def items(self, field: str) -> list[str]:
         """Names of the items of a list in its first message."""

@@ -11,8 +11,8 @@ import numpy as np
 from twin.errors import BadInput, UnknownName
 from twin.logs.cells import LARGEST, Text, quoted
 from twin.logs.log import Log
-from twin.logs.readers.parquet_table import read_parquet
 from twin.logs.reader import Reader
+from twin.logs.readers.parquet_table import read_parquet
 from twin.logs.setup_block import setup_from
 from twin.streams import COLUMNS, Setup, Streams, Table
 

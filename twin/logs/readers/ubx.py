@@ -33,7 +33,7 @@ class Ubx(Reader):
         """Its epochs. Raises BadInput."""
         ubx = needed("pyubx2", "ubx", "UBX logs", "pyubx2")
         epochs: dict[int, dict[str, float]] = {}
-        heading: dict[int, float] = {}
+        heading: dict[float, float] = {}
         broken: list[int] = []
         count = 0
         with path.open("rb") as file:
@@ -48,8 +48,8 @@ class Ubx(Reader):
         if not epochs:
             raise BadInput("no NAV-PVT message with a valid time and fix")
         times = sorted(epochs)
-        for time_ns, values in epochs.items():
-            values["heading_deg"] = heading.get(_week_ms(time_ns), np.nan)
+        for values in epochs.values():
+            values["heading_deg"] = heading.get(values.pop("week_ms"), np.nan)
         epoch_ns = np.array(times, np.int64)
         columns = {
             column: np.array([epochs[t].get(column, np.nan) for t in times])
@@ -57,7 +57,7 @@ class Ubx(Reader):
         }
         columns = {c: v for c, v in columns.items() if np.isfinite(v).any()}
         gnss = {k: {"column": c, "unit": u} for k, (c, u) in KEYS.items() if c in columns}
-        losses = ()
+        losses: tuple[Loss, ...] = ()
         if broken:
             rows = np.array(broken, np.int64)
             losses = (Loss("messages", rows, count, "messages that are damaged", checked=True),)
@@ -67,7 +67,10 @@ class Ubx(Reader):
         )  # fmt: skip
 
 
-def _take(message: Plain, epochs: dict[int, dict[str, float]], heading: dict[int, float]) -> None:
+def _take(
+    message: Plain, epochs: dict[int, dict[str, float]], heading: dict[float, float]
+) -> None:
+    """Add a message; headings by their time of the week, as NAV-PVT has it too."""
     if message.identity == "NAV-PVT" and message.validDate and message.validTime:
         stamp = datetime.datetime(
             message.year, message.month, message.day, message.hour, message.min,
@@ -77,7 +80,10 @@ def _take(message: Plain, epochs: dict[int, dict[str, float]], heading: dict[int
         time_ns = round(time_ns / 1_000_000) * 1_000_000  # nano is off by the clock's own error
         fix = bool(message.gnssFixOk) and message.fixType in (2, 3, 4)
         quality = {0: 2.0 if message.diffSoln else 1.0, 1: 5.0, 2: 4.0}[message.carrSoln]
-        epochs[time_ns] = {"quality": quality if fix else 0.0, "satellites": float(message.numSV)}
+        epochs[time_ns] = {
+            "quality": quality if fix else 0.0, "satellites": float(message.numSV),
+            "week_ms": float(message.iTOW),
+        }  # fmt: skip
         if fix:
             epochs[time_ns] |= {
                 "latitude_deg": message.lat, "longitude_deg": message.lon,
@@ -85,18 +91,7 @@ def _take(message: Plain, epochs: dict[int, dict[str, float]], heading: dict[int
                 "course_deg": message.headMot,
             }  # fmt: skip
     elif message.identity == "NAV-RELPOSNED" and getattr(message, "relPosHeadingValid", 0):
-        heading[_tow_ms(message)] = message.relPosHeading
+        heading[float(message.iTOW)] = message.relPosHeading
     elif message.identity == "NAV-ATT" and message.accHeading < 90.0:
-        heading.setdefault(_tow_ms(message), message.heading)
+        heading.setdefault(float(message.iTOW), message.heading)
 
-
-def _tow_ms(message: Plain) -> int:
-    """Time of the day of a message, UTC as pyubx2 gives it [ms]."""
-    raw = message.iTOW
-    if isinstance(raw, datetime.time):
-        return ((raw.hour * 60 + raw.minute) * 60 + raw.second) * 1000 + raw.microsecond // 1000
-    return int(raw) % 86_400_000
-
-
-def _week_ms(time_ns: int) -> int:
-    return time_ns // 1_000_000 % 86_400_000
