@@ -70,7 +70,9 @@ def test_two_tables_of_one_drive(tmp_path):
     assert given.streams["gnss"]["epoch_ns"][0] == 0
     text = MAP.replace("[log]", "[log]\noffset_s = {gnss = 41.5}")
     assert read(files, mapped(tmp_path, text)).streams["gnss"]["epoch_ns"][0] == 0
-    with pytest.raises(BadInput, match=r"offset_s names 'gps.csv'; the files are bus.csv, gnss.csv"):
+    with pytest.raises(
+        BadInput, match=r"offset_s names 'gps.csv'; the files are bus.csv, gnss.csv"
+    ):
         read(files, mapped(tmp_path), offset_s={"gps.csv": 1.0})
 
 

@@ -9,9 +9,10 @@ from twin.errors import BadInput, UnknownName
 from twin.logs import read
 from twin.logs.export import WRITERS, export
 from twin.logs.setup_block import setup_from
-from twin.streams import Streams
+from twin.streams import WHEELS, Streams
 
-KMH, CM_S = 1 / 3.6, 0.01
+CM_S = 0.01
+RADII = (0.6, 0.6, 0.8, 0.8)
 RESOLUTION = {
     "csv": {},
     "nmea": {"east_m": 2e-5, "north_m": 2e-5, "up_m": 1e-4, "v_east_mps": 5e-5,
@@ -28,7 +29,7 @@ RESOLUTION = {
 def setup():
     raw = {
         "machine": "made", "wheelbase_m": 2.5, "origin": [48.0, 9.0, 420.0],
-        "wheels": {"counts_per_turn": 4000, "radius_m": {"fl": 0.6, "fr": 0.6, "rl": 0.8, "rr": 0.8}},
+        "wheels": {"counts_per_turn": 4000, "radius_m": dict(zip(WHEELS, RADII, strict=True))},
         "gnss": {}, "imu": {}, "depth": {},
     }  # fmt: skip
     return setup_from(raw, assume=True)
@@ -55,7 +56,7 @@ def streams(seed=0):
         "imu": {**stamps, **{f"gyro_{a}_radps": 0.1 * generator.normal(size=n) for a in "xyz"},
                 **{f"accel_{a}_mps2": generator.normal(size=n) for a in "xyz"}},
         "wheels": {**stamps, **{f"ticks_{w}": np.round(turn / r * 4000).astype(np.int64)
-                                for w, r in (("fl", 0.6), ("fr", 0.6), ("rl", 0.8), ("rr", 0.8))}},
+                                for w, r in zip(WHEELS, RADII, strict=True)}},
         "machine": {**stamps, "engine_radps": 150.0 + 5.0 * generator.normal(size=n),
                     "engine_load": generator.uniform(0.1, 1.0, n) + hole,
                     "fuel_lph": generator.uniform(5.0, 20.0, n),

@@ -14,7 +14,8 @@ from twin.logs.readers.nmea_sentences import unicore_crc
 
 def gga(second, quality=4, north=0.0, talker="GN"):
     minutes = 30.0 + north / 1852.0
-    return f"{talker}GGA,1000{second:05.2f},52{minutes:011.8f},N,01315.00000000,E,{quality},17,0.7,52.1,M,39,M,,"
+    place = f"52{minutes:011.8f},N,01315.00000000,E"
+    return f"{talker}GGA,1000{second:05.2f},{place},{quality},17,0.7,52.1,M,39,M,,"
 
 
 def vtg(kmh, course=0.0):
@@ -89,7 +90,8 @@ def test_the_crc_of_unicore_is_that_of_its_manual():
 
 
 @pytest.mark.parametrize(
-    "before", ["2024-06-14 10:00:00.123 ", "[12:00:00] RX: ", "\\s:GPS1,c:1718359200*4B\\", "\ufeff"]
+    "before",
+    ["2024-06-14 10:00:00.123 ", "[12:00:00] RX: ", "\\s:GPS1,c:1718359200*4B\\", "\ufeff"],
 )
 def test_what_loggers_put_before_a_sentence(tmp_path, before):
     lines = [before + sentence(b) for s in range(9) for b in (gga(s), vtg(7.2))]
@@ -108,14 +110,18 @@ def test_binary_between_sentences(tmp_path):
 @pytest.mark.parametrize("cut", [False, True])
 def test_a_burst_in_either_order(tmp_path, first, cut):
     speed = [3.6 * (1.0 + 0.3 * math.sin(s / 2.0)) for s in range(40)]
-    north = np.cumsum([0.5 * (v + w) / 3.6 for v, w in zip(speed, [speed[0], *speed], strict=False)])
+    north = np.cumsum(
+        [0.5 * (v + w) / 3.6 for v, w in zip(speed, [speed[0], *speed], strict=False)]
+    )
     pairs = [(sentence(vtg(v)), sentence(gga(s, north=n)))
              for s, (v, n) in enumerate(zip(speed, north, strict=True))]  # fmt: skip
     lines = [x for pair in pairs for x in (pair if first == "vtg" else pair[::-1])]
     gnss = log_of(tmp_path, lines[3:] if cut else lines).streams["gnss"]
     at = np.round(gnss["epoch_ns"] / 1e9 - 36000).astype(int)
     known = np.isfinite(gnss["v_north_mps"])
-    np.testing.assert_allclose(gnss["v_north_mps"][known], np.array(speed)[at][known] / 3.6, atol=1e-3)
+    np.testing.assert_allclose(
+        gnss["v_north_mps"][known], np.array(speed)[at][known] / 3.6, atol=1e-3
+    )
     assert known.sum() >= 37
 
 
@@ -123,7 +129,8 @@ def test_no_fix_for_a_while_is_no_velocity_for_a_while(tmp_path):
     lines = []
     for s in range(20):
         valid = not 5 <= s < 9
-        rmc = f"GNRMC,1000{s:05.2f},{'A' if valid else 'V'},5230.0,N,01315.0,E,4.0,0.0,140624,,,{'R' if valid else 'N'}"
+        status, mode = ("A", "R") if valid else ("V", "N")
+        rmc = f"GNRMC,1000{s:05.2f},{status},5230.0,N,01315.0,E,4.0,0.0,140624,,,{mode}"
         lines += [sentence(rmc), sentence(vtg(7.2) if valid else "GNVTG,,T,,M,,N,,K,N")]
     log = log_of(tmp_path, lines)
     assert len(log.streams["gnss"]["epoch_ns"]) == 16

@@ -136,7 +136,8 @@ def section_table(
     Numbers that count, and labels, are held; all others are interpolated linearly, except in gaps.
     """
     table: Table = {}
-    moved = []
+    moved: list[str] = []
+    at = np.empty(0, np.int64)
     for key, source in sources.items():
         file, name = holder(source.column, files, f"{section}.{key}")
         timed = file.timed(name, section)
@@ -147,8 +148,8 @@ def section_table(
         timed = Timed(Signal(np.empty(0), timed.signal.epoch_ns), timed.epoch_ns, timed.at)
         if key.startswith("ticks_"):
             values = as_counts(source, values, timed.at, told)
-        values = _without_spikes(section, key, name, values, timed, told)
         times = timed.epoch_ns
+        at = at if table else timed.at
         epoch_ns = table.setdefault("epoch_ns", times)
         if not np.array_equal(times, epoch_ns):
             moved.append(key)
@@ -162,7 +163,8 @@ def section_table(
             f"{section}: {', '.join(moved)} brought to the times of {next(iter(sources))}"
         )
     if len(table) > 1 and section != "reference":
-        table = _measured_once(section, table, told)
+        table, rows = _measured_once(section, table, told)
+        _drop_spikes(section, sources, table, at[rows], told)
     if section == "wheels":
         _unwrap(table, told)
     return table
@@ -177,23 +179,28 @@ def _other_rows(table: Table, values: Array) -> NDArray[np.bool_] | None:
     return rows if own.any() and rows.any() and np.mean(rows[own]) < SPARSE else None
 
 
-def _without_spikes(
-    section: str, key: str, name: str, values: Array, timed: Timed, told: Told
-) -> Array:
-    speed = QUANTITIES[section][key].dimension == "speed" and not key.endswith("_sd")
-    place = key in ("east", "north")
-    if not ((speed and section in ("gnss", "wheels")) or place):
-        return values
-    time_s = (timed.epoch_ns - timed.epoch_ns[0]) * 1e-9
-    found = spikes(values, time_s, "position" if place else section)
-    if not found.any():
-        return values
-    row = int(np.argmax(found))
-    says = f"column {quoted(name)}, row {timed.at[row]}: a single value far from its neighbours"
-    told.losses.append(
-        Loss("log" if timed.signal.epoch_ns is None else name, timed.at[found], len(values), says)
-    )
-    return np.where(found, np.nan, values)
+def _drop_spikes(
+    section: str, sources: Mapping[str, Source], table: Table, at: NDArray[np.int64], told: Told
+) -> None:
+    """Make holes of single speeds and positions far from their neighbours, in place."""
+    if section not in ("gnss", "wheels"):
+        return
+    time_s = (table["epoch_ns"] - table["epoch_ns"][0]) * 1e-9
+    for key, source in sources.items():
+        quantity = QUANTITIES[section][key]
+        place = key in ("east", "north")
+        speed = quantity.dimension == "speed" and not key.endswith("_sd")
+        if quantity.column not in table or not (speed or place):
+            continue
+        values = table[quantity.column]
+        found = spikes(values, time_s, "position" if place else section)
+        if found.any():
+            row = at[int(np.argmax(found))]
+            says = (
+                f"column {quoted(source.column)}, row {row}: a single value far from its neighbours"
+            )
+            told.losses.append(Loss("log", at[found], len(values), says))
+            table[quantity.column] = np.where(found, np.nan, values)
 
 
 def _brought(
@@ -215,19 +222,19 @@ def _brought(
     return between((to_ns - start_ns) * 1e-9, (from_ns[known] - start_ns) * 1e-9, at)
 
 
-def _measured_once(section: str, table: Table, told: Told) -> Table:
-    """The table without rows, or with holes, where values are carried forward."""
+def _measured_once(section: str, table: Table, told: Told) -> tuple[Table, NDArray[np.bool_]]:
+    """The table without rows, or with holes, where values are carried forward; the rows kept."""
     columns = {k: v for k, v in table.items() if k != "epoch_ns"}
     rows = carried.measured(list(columns.values()))
     if rows is not None:
         told.notes.append(_carried_note(section, rows))
-        return {k: v[rows] for k, v in table.items()}
+        return {k: v[rows] for k, v in table.items()}, rows
     for key, values in columns.items():
         rows = None if key.startswith("ticks_") else carried.measured([values])
         if rows is not None:
             told.notes.append(_carried_note(f"{section} {key}", rows))
             table = {**table, key: np.where(rows, values, np.nan)}
-    return table
+    return table, np.ones(len(table["epoch_ns"]), bool)
 
 
 def _carried_note(what: str, rows: NDArray[np.bool_]) -> str:

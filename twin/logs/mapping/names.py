@@ -11,7 +11,7 @@ _TURNS = r"(wheel|speed|vel|rad\b|rpm)"
 QUANTITY_NAMES: tuple[tuple[str, str], ...] = (
     (r"(true|ref|reference).*(side ?slip|drift)", "reference.sideslip_angle"),
     (r"^(true|ref|reference) .*\bslip|\bslip.*(ref|true)|^slip$", "reference.slip"),
-    (r"(engine|motor|eng).*(speed|rpm|drehzahl)|^n_?eng|^rpm$|engine rpm|drehzahl.*motor",
+    (r"(engine|motor|eng).*(speed|rpm|drehzahl)|^n_?eng|^rpm$|drehzahl.*motor",
      "machine.engine_speed"),
     (r"(engine|motor|eng).*(load|last)|percent load|^load$|auslastung", "machine.engine_load"),
     (r"fuel.*(rate|flow|cons)|(rate|flow).*fuel|verbrauch|kraftstoff|consumption|^fuel",
@@ -63,7 +63,7 @@ TIME_NAMES = re.compile(
 )
 UNIT_NAMES: tuple[tuple[str, str], ...] = (
     (r"km[/_ ]?h|kph|kmh", "km/h"), (r"m[/_]s2|mps2|m s 2|m[/_]s\^2|m[/_]s²", "m/s2"),
-    (r"deg(rees?)?[/_ ]?(per[_ ])?s(ec)?\b|dps|°/s", "deg/s"), 
+    (r"deg(rees?)?[/_ ]?(per[_ ])?s(ec)?\b|dps|°/s", "deg/s"),
     (r"rad[/_ ]?s\b|radps|rad/s", "rad/s"),
     (r"\bm[/_]s\b|mps|m s 1", "m/s"), (r"mph", "mph"), (r"knots?|kts?\b|\bkn\b", "kn"),
     (r"rpm|u/min|1/min|min-1", "rpm"), (r"deg|°|grad\b", "deg"), (r"\brad\b", "rad"),
@@ -72,7 +72,7 @@ UNIT_NAMES: tuple[tuple[str, str], ...] = (
     (r"\bms\b|millis", "ms"), (r"\bus\b|micros", "us"), (r"\bns\b|nanos", "ns"),
     (r"\bs\b|sec", "s"), (r"\bmm\b", "mm"), (r"\bcm\b", "cm"), (r"\bm\b", "m"), (r"\bg\b", "g"),
 )  # fmt: skip
-"""Pattern in a name, with blanks for underscores -> unit; the first that the quantity can have counts."""
+"""Pattern in a name, with blanks for underscores -> unit; the first that can be counts."""
 
 
 def plain(name: str) -> str:
@@ -100,7 +100,9 @@ def unit_of(name: str, allowed: tuple[str, ...]) -> str:
     """The unit that a name says, of those allowed, or nothing."""
     for pattern, unit in UNIT_NAMES:
         folds = unit not in ("kN", "N", "Nm", "kNm")
-        if unit in allowed and re.search(pattern, name.replace("_", " "), re.IGNORECASE if folds else 0):
+        if unit in allowed and re.search(
+            pattern, name.replace("_", " "), re.IGNORECASE if folds else 0
+        ):
             return unit
     return ""
 

@@ -67,9 +67,7 @@ class Ubx(Reader):
         )  # fmt: skip
 
 
-def _take(
-    message: Plain, epochs: dict[int, dict[str, float]], heading: dict[float, float]
-) -> None:
+def _take(message: Plain, epochs: dict[int, dict[str, float]], heading: dict[float, float]) -> None:
     """Add a message; headings by their time of the week, as NAV-PVT has it too."""
     if message.identity == "NAV-PVT" and message.validDate and message.validTime:
         stamp = datetime.datetime(
@@ -94,4 +92,3 @@ def _take(
         heading[float(message.iTOW)] = message.relPosHeading
     elif message.identity == "NAV-ATT" and message.accHeading < 90.0:
         heading.setdefault(float(message.iTOW), message.heading)
-
