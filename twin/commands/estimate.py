@@ -32,7 +32,7 @@ class Estimate:
     map: Path | None = None
     """TOML file that gives the meaning and the unit of each column."""
     reader: str | None = None
-    """What reads it: its name (twin list), or module:Name of your own."""
+    """What reads it: bag, can, csv, mat, nmea, parquet, run-folder, ubx or module:Name."""
     strict: bool = False
     """Refuse a log with a single bad row."""
     offset: tuple[str, ...] = ()
