@@ -49,7 +49,6 @@ def test_slip_is_in_percent_in_every_cell():
         ["ratio", "while driving", "7.00", "-1.00", "10.00", "9"],
         ["ratio", "at work", "7.00", "-1.00", "10.00", "9"],
     ]
-    assert assumptions(scores) == ["mute: no slip estimated"]
 
 
 def test_litres_per_hectare_or_why_not():

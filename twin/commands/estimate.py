@@ -25,14 +25,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """Run the estimators on a recorded drive: a run folder, CSV, Parquet or NMEA 0183."""
+    """Run the estimators on a recorded drive: a run folder, a table, NMEA, CAN, UBX or a bag."""
 
-    log: Annotated[Path, tyro.conf.Positional]
-    """The recorded drive."""
+    log: Annotated[tuple[Path, ...], tyro.conf.Positional]
+    """The recorded drive, or the files it is in; the clock of the first counts."""
     map: Path | None = None
     """TOML file that gives the meaning and the unit of each column."""
     reader: str | None = None
-    """What reads it, csv, parquet, nmea or run-folder, or module:Name of your own."""
+    """What reads it: bag, can, csv, mat, nmea, parquet, run-folder, ubx or module:Name."""
+    strict: bool = False
+    """Refuse a log with a single bad row."""
+    offset: tuple[str, ...] = ()
+    """FILE=SECONDS, how far a file's clock is ahead of the first's; else the speeds say it."""
     out: Path | None = None
     """Folder for the results; by default runs/<name of the log>."""
     csv: Path | None = None
@@ -54,8 +58,10 @@ def main(args: Sequence[str]) -> int:
     options = parse(Estimate, args, prog="twin estimate")
     from twin.io import run_folder
 
-    directory = options.out or Path("runs") / options.log.resolve().stem
-    if directory.resolve() == options.log.resolve():
+    if not options.log:
+        raise BadInput("no log is named; twin estimate LOG [LOG...]")
+    directory = options.out or Path("runs") / options.log[0].resolve().stem
+    if directory.resolve() in [log.resolve() for log in options.log]:
         raise BadInput(f"--out {directory} is the log itself; choose another folder")
     run_folder.refuse_foreign(directory)
     check_folder("figures", options.figures)
@@ -67,7 +73,10 @@ def main(args: Sequence[str]) -> int:
     reader = None if options.reader is None else logs.reader(options.reader)
     shown = not (options.quiet or options.json)
     with counting("estimating", "estimators", shown=shown) as told:
-        result = estimate(options.log, options.map, estimators=estimators, reader=reader, told=told)
+        result = estimate(
+            options.log, options.map, estimators=estimators, reader=reader, told=told,
+            strict=options.strict, offset_s=offsets(options.offset),
+        )  # fmt: skip
     result.save(directory, command=f"twin estimate {shlex.join(args)}")
     if options.figures is not None:
         result.figures(options.figures)
@@ -78,6 +87,20 @@ def main(args: Sequence[str]) -> int:
 
         viz.view(directory / "run.rrd")
     return status(result)
+
+
+def offsets(words: Sequence[str]) -> dict[str, float]:
+    """File -> seconds from words as `gnss.nmea=3.7`. Raises BadInput."""
+    found = {}
+    for word in words:
+        name, equals, seconds = word.rpartition("=")
+        try:
+            found[name] = float(seconds)
+        except ValueError:
+            equals = ""
+        if not (name and equals and abs(found[name]) < 1e10):
+            raise BadInput(f"--offset {word} is not FILE=SECONDS, as gnss.nmea=3.7")
+    return found
 
 
 def _say(result: Result, directory: Path, options: Estimate, csv_time: str | None) -> None:

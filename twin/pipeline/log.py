@@ -25,29 +25,35 @@ from twin.streams import Table
 
 
 def estimate(
-    path: Path,
+    paths: Path | Sequence[Path],
     column_map: Path | None,
     *,
     estimators: Mapping[str, Estimator],
     reader: Reader | None = None,
+    strict: bool = False,
+    offset_s: Mapping[str, float] | None = None,
     told: Callable[[int, int], None] = lambda done, total: None,
 ) -> Result:
     """Read a log and run the estimators on it.
 
     Args:
-        path: the log.
+        paths: the log, or the files it is in.
         column_map: TOML that says which column is what; None where the format says it.
         estimators: by name.
         reader: what reads the log; None finds out by what is in it.
+        strict: refuse a log with a single bad row.
+        offset_s: file name -> how far its clock is ahead of the first file's [s].
         told: told how many estimators of how many are done.
 
     Raises:
         BadInput: the log or the map cannot be used; says which value, and what would do.
     """
     start = time.perf_counter()
-    log, steady, beside = _prepared(logs.read(path, column_map, reader))
+    files = [paths] if isinstance(paths, Path) else list(paths)
+    read = logs.read(files, column_map, reader, strict=strict, offset_s=offset_s)
+    log, steady, beside = _prepared(read)
     done = all_estimates(estimators, log.setup, log.streams, told)
-    reference = _reference(log, path) or {}
+    reference = _reference(log, files[0]) or {}
     odd = percent_note("slip of the reference", reference, log.streams)
     return Result(
         scenario=None,
@@ -56,11 +62,49 @@ def estimate(
         truth=reference,
         estimates=done.tables,
         wall_s=time.perf_counter() - start,
-        notes=(*log.notes, *done.notes, *([odd] if odd else [])),
+        notes=(*log.notes, *done.notes, *([odd] if odd else []), *_loud(log, done.tables)),
         failed=done.failed,
-        name=path.resolve().stem,
+        name=files[0].resolve().stem,
         found=beside | findings(log, done.tables, steady, protocol_spans_ns(beside)),
     )
+
+
+LOUD_SLIP = 0.25
+"""Median slip that no work in a field has; most often a unit or a radius is wrong."""
+
+
+def _loud(log: Log, estimates: Mapping[str, Table]) -> list[str]:
+    """A note for every estimator whose median slip is large, or that says nothing of slip."""
+    notes = []
+    for name, table in estimates.items():
+        found = slip_summary(table)
+        median = found["median"]
+        if median is not None and abs(median) > LOUD_SLIP:
+            notes.append(
+                f"{name}: median slip {100 * median:+.1f} % is beyond {100 * LOUD_SLIP:.0f} %: are "
+                "the units, the radius and the columns right?"
+            )
+        elif "slip" not in table:
+            notes.append(f"{name}: no slip estimated")
+        elif not found["n"] and len(log.streams):
+            notes.append(f"{name}: no slip while driving: {_why_none(log, table)}")
+    return notes
+
+
+def _why_none(log: Log, estimates: Table) -> str:
+    """What kept an estimator from saying anything."""
+    ground, wheel = logs.paired_speeds(log.streams)
+    if "gnss" not in log.streams or not np.isfinite(logs.ground_speed_mps(log.streams)).any():
+        return "the log has no ground speed"
+    if "wheels" not in log.streams:
+        return "the log has no wheel speed"
+    if len(wheel) and not np.isfinite(ground).any():
+        return "no ground speed is known at the times of the wheels; do the clocks agree?"
+    fastest = float(np.nanmax(logs.ground_speed_mps(log.streams)))
+    if fastest <= MOVING_MPS:
+        return f"the fastest ground speed is {fastest:.2f} m/s"
+    known = np.isfinite(np.asarray(estimates["slip"], np.float64))
+    return "its slip is NaN throughout" if not known.any() else "its speed never says so"
 
 
 def findings(

@@ -80,18 +80,25 @@ def run(
 
 
 def estimate(
-    log: str | Path,
+    log: str | Path | Iterable[str | Path],
     column_map: str | Path | None = None,
     estimators: Iterable[str | Estimator] | Mapping[str, Estimator] = DEFAULT_ESTIMATORS,
     reader: str | Reader | None = None,
+    *,
+    strict: bool = False,
+    offset_s: Mapping[str, float] | None = None,
 ) -> Result:
     """Run the estimators on a recorded drive.
 
     Args:
-        log: a run folder, CSV, Parquet or NMEA 0183, or what `reader` reads.
+        log: a run folder, a table, NMEA, CAN, UBX, a bag, or what `reader` reads; or several
+            files of one drive.
         column_map: TOML that says which column is what, and in which unit.
         estimators: as `run` takes them.
         reader: what reads the log, or its name, as `twin.logs.READERS` has it or `module:Name`.
+        strict: refuse a log with a single bad row.
+        offset_s: file name -> how far its clock is ahead of the first file's [s]; what is not
+            given is found from the speeds.
 
     Raises:
         BadInput: the log or the map cannot be used; the message names the value.
@@ -104,7 +111,10 @@ def estimate(
 
     path = None if column_map is None else Path(column_map)
     by = logs.reader(reader) if isinstance(reader, str) else reader
-    return estimated(Path(log), path, estimators=by_name(estimators), reader=by)
+    files = [Path(log)] if isinstance(log, str | Path) else [Path(each) for each in log]
+    return estimated(
+        files, path, estimators=by_name(estimators), reader=by, strict=strict, offset_s=offset_s
+    )
 
 
 def by_name(

@@ -9,10 +9,12 @@ from __future__ import annotations
 import html
 from collections.abc import Iterable, Mapping, Sequence
 
+import numpy as np
+
 from twin.io.plain import Plain
 from twin.io.run_folder import Record, RunLike
 from twin.logs.activity import PULLS, Activity, activity
-from twin.logs.geodesy import near_deg
+from twin.logs.geodesy import geodetic_rad
 from twin.logs.summary import highest_slip, pulls
 from twin.logs.timeline import timeline
 from twin.report import log_figures, log_maps
@@ -144,7 +146,10 @@ def _place(stretch: Mapping[str, Plain], origin_deg: Origin | None) -> list[str]
         return []
     if stretch["east_m"] is None or stretch["north_m"] is None:
         return ["-"]
-    latitude, longitude = near_deg(stretch["east_m"], stretch["north_m"], origin_deg)
+    east_m, north_m, up_m = (np.asarray(v) for v in (stretch["east_m"], stretch["north_m"], 0.0))
+    latitude_deg, longitude_deg, height_m = origin_deg
+    origin = (np.radians(latitude_deg), np.radians(longitude_deg), height_m)
+    latitude, longitude, _ = (np.degrees(v) for v in geodetic_rad(east_m, north_m, up_m, origin))
     return [f"{latitude:.5f}, {longitude:.5f}"]
 
 

@@ -148,8 +148,7 @@ def fuel_sentences(scores: Mapping[str, Plain]) -> list[str]:
 def assumptions(scores: Mapping[str, Plain]) -> list[str]:
     """Rules, definitions and values that the numbers rest on, then the notes of the reading."""
     drive = scores.get("drive") or {}
-    silent = [name for name, slip in (scores.get("slip") or {}).items() if not slip["n"]]
-    lines = [f"{name}: no slip estimated" for name in silent]
+    lines = []
     if drive.get("estimator"):
         lines.append(
             f"Slip in tables and figures is {drive['estimator']}'s, unless they say else. Slip is "
