@@ -63,8 +63,7 @@ class Episodes:
         nsim, machine = len(fleet.state), fleet.machine
         self.fleet, self.shapes = fleet, shapes
         nthread = fleet.batch.nthread
-        self.starts = Starts(machine, seen=seen, nthread=nthread, kind=type(fleet))
-        self.starts.of(shapes)
+        self.starts = Starts(machine, shapes, seen=seen, nthread=nthread, kind=type(fleet))
         self.instruments: list[Instruments] = []
         if seen:
             self.instruments = [Instruments(machine, estimator) for _ in range(nsim)]
