@@ -74,5 +74,5 @@ def _read(path: Path) -> list[Start] | None:
     digest, content = content[:DIGEST_BYTES], content[DIGEST_BYTES:]
     if hashlib.sha256(content).digest() != digest:
         return None
-    starts: list[Start] = pickle.loads(content)  # noqa: S301  ours: the digest and the key fit
+    starts: list[Start] = pickle.loads(content)
     return starts

@@ -70,7 +70,7 @@ def settle(
         nthread: threads to roll on.
         kind: how the machine is driven.
     """
-    fleet = kind(machine, len(shapes), nthread)
+    fleet = kind(machine, len(shapes), nthread, sensed=seen)
     frames = stand(fleet, shapes)
     for _ in range(round(SETTLE_S / fleet.period_s)):
         fleet.drive(fleet.steady(), record=False)
