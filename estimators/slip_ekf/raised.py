@@ -43,7 +43,7 @@ def lifted(lift: Lift, chunk: Streams) -> tuple[Lift, NDArray[np.float64]]:
         What is known after the chunk, and one value per sample of USED in order of
         arrival: 1 out of the ground, 0 in it, NaN between the two or if no depth is known yet.
     """
-    used = Streams({s: chunk[s] for s in (*USED, "depth") if s in chunk})
+    used = chunk.only((*USED, "depth"))
     if "depth" not in used or not len(used["depth"]["epoch_ns"]):
         count = sum(len(chunk[s]["epoch_ns"]) for s in USED if s in chunk)
         return lift, np.full(count, lift.raised)

@@ -152,7 +152,7 @@ def test_instruments_see_what_a_whole_run_would(machine, begin):
     records = []
     for _ in range(100):
         records.append(fleet.drive(ACTION, record=True))
-        instruments.advance(records[-1:])
+        instruments.advance(records[-1])
     recorder = Recorder(machine)
     recorder.steps = len(begin.approach)
     rest = recorder.trajectory(records)

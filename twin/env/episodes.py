@@ -112,7 +112,7 @@ class Episodes:
         records = self.fleet.drive(actions, record=bool(self.instruments))
         for i, instruments in enumerate(self.instruments):
             if records is not None:
-                instruments.advance([{k: v[i : i + 1] for k, v in records.items()}])
+                instruments.advance({k: v[i : i + 1] for k, v in records.items()})
         stalled: NDArray[np.bool_] = self.fleet.standing_s >= STALL_S
         return stalled
 
