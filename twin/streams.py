@@ -238,8 +238,7 @@ def _tuples(block: Mapping[str, object]) -> dict[str, object]:
 
 def read_only(array: Array) -> Array:
     """The same values, which cannot be written to through this view."""
-    if not isinstance(array, np.ndarray):  # what a user's scenario gives may be a list
-        array = np.asarray(array)
+    array = np.asarray(array)  # what a user's scenario gives may be a list
     if not array.flags.writeable:
         return array
     view = array.view()

@@ -110,7 +110,10 @@ def add_noise(out: Floats, key: np.uint32, x0: int, y0: int, shift: int, sd: np.
         for c in range(n):
             i = first[c]
             line[c] = (
-                w0[c] * nodes[i] + w1[c] * nodes[i + 1] + w2[c] * nodes[i + 2] + w3[c] * nodes[i + 3]
+                w0[c] * nodes[i]
+                + w1[c] * nodes[i + 1]
+                + w2[c] * nodes[i + 2]
+                + w3[c] * nodes[i + 3]
             )
     for r in range(n):
         y = y0 + r

@@ -7,7 +7,7 @@ so the same trajectory gives the same bits in any chunking.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -43,9 +43,7 @@ def due(clock: Clock, grid_ns: Stamps) -> tuple[Clock, Stamps]:
     number = np.arange(clock.index, stop)
     epoch_ns = clock.start_ns + np.rint(number * 1e9 / clock.rate_hz).astype(np.int64)
     covered = int(np.searchsorted(epoch_ns, last_ns, side="right"))
-    after = Clock(
-        start_ns=clock.start_ns, rate_hz=clock.rate_hz, index=clock.index + covered
-    )
+    after = Clock(start_ns=clock.start_ns, rate_hz=clock.rate_hz, index=clock.index + covered)
     return after, epoch_ns[int(np.searchsorted(epoch_ns, first_ns)) : covered]
 
 
