@@ -70,7 +70,7 @@ def read(
         The reader after the chunk, and one record of `layout.SIGNALS` per sample of those sensors,
         in order of arrival.
     """
-    used = Streams({s: chunk[s] for s in sensors if s in chunk})
+    used = chunk.only(sensors)
     sensor, row = used.merge_order()
     memory, signals = reader.memory.copy(), blank(SIGNALS, len(sensor))
     if len(sensor):
@@ -88,7 +88,7 @@ def read(
 def _epochs(chunk: Streams, sensor: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.int64]:
     epochs = np.zeros(len(sensor), np.int64)
     for index, name in enumerate(COLUMNS):
-        if name in chunk:
+        if name in chunk and len(chunk[name]["epoch_ns"]):
             chosen = sensor == index
             epochs[chosen] = chunk[name]["epoch_ns"][row[chosen]]
     return epochs
@@ -97,10 +97,12 @@ def _epochs(chunk: Streams, sensor: NDArray[np.int64], row: NDArray[np.int64]) -
 def _matrix(chunk: Streams, sensor: str, columns: tuple[str, ...]) -> NDArray[np.float64]:
     """The named columns side by side, NaN where there is none. Shape (samples, columns)."""
     table = chunk.tables.get(sensor, {})
-    matrix = np.full((len(table.get("epoch_ns", ())), len(columns)), np.nan)
+    count = len(table.get("epoch_ns", ()))
+    if not count:
+        return np.empty((0, len(columns)))
+    matrix = np.empty((count, len(columns)))
     for index, name in enumerate(columns):
-        if name in table:
-            matrix[:, index] = table[name]
+        matrix[:, index] = table.get(name, np.nan)
     return matrix
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import signals
-from estimators.estimate import ROW
+from estimators.estimate import unknown
 from estimators.slip_ekf.filter import loop
 from estimators.slip_ekf.layout import MEMORY
 from estimators.slip_ekf.raised import USED, Lift, lifted, start
@@ -160,10 +160,7 @@ class SlipEkf:
         reader, samples = signals.read(state.reader, chunk, USED)
         lift, raised = lifted(state.lift, chunk)
         memory = state.memory.copy()
-        rows = np.zeros(len(samples), ROW)
-        for name in ESTIMATES:
-            if ROW[name].kind == "f":
-                rows[name] = np.nan
+        rows = unknown(len(samples))
         count = 0
         if len(rows):
             count = loop(samples, raised, reader.nominal[0], state.tuning[0], memory[0], rows)

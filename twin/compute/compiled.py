@@ -165,7 +165,7 @@ def _delete_unused(base: Path) -> None:
                 shutil.rmtree(old)
 
 
-def _is_edited(file: Path) -> bool:
+def is_edited(file: Path) -> bool:
     """Whether a source was written since this process began, so that either form may be loaded."""
     try:
         return any(source.stat().st_mtime > STARTED_S for source in sources(file))
@@ -227,6 +227,6 @@ def _njit(function: Callable[P, R], **options: Untyped) -> Callable[P, R]:
 def _keep(made: Untyped, function: Function) -> None:
     """Let numba look for machine code, and keep it, in the folder of the function's file."""
     file = Path(function.__code__.co_filename)
-    if folder(file) is not None and not _is_edited(file):
+    if folder(file) is not None and not is_edited(file):
         with suppress(RuntimeError):  # the folder could be written a moment ago
             made._cache = _Cache(function)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from twin.compute.quaternion import cross, rotated, x_axis
 from twin.env.fleet import Fleet, Start
 from twin.env.grounds import Ground
-from twin.env.quantities import Ids, powers, true
+from twin.env.quantities import DRAFT, TORQUE, Ids, powers, true
 from twin.machine.build import Machine
 from twin.simulation.driver import HitchControl
 
@@ -61,8 +61,11 @@ def motors(machine: Machine) -> Machine:
 class TorqueFleet(Fleet):
     """The electric machines of WheelSlip-v0: torques instead of throttle and hitch."""
 
-    def __init__(self, machine: Machine, nsim: int = 1, nthread: int = 1) -> None:
-        super().__init__(machine, nsim, nthread)
+    def __init__(
+        self, machine: Machine, nsim: int = 1, nthread: int = 1, *, sensed: bool = True
+    ) -> None:
+        """As a fleet's."""
+        super().__init__(machine, nsim, nthread, sensed=sensed)
         model = machine.model
         self.tasks["hitch"], self.tasks["throttle"] = HitchControl.RAISED, 0.0
         self.tasks["clutch_pedal"], self.tasks["brakes"] = 1.0, False
@@ -94,16 +97,15 @@ class TorqueFleet(Fleet):
         """Torques of the rear wheels, the engine's own shaft free; the cultivator pulls."""
         self._pull()
         self.torques = actions.copy()
-        self.decide()
+        self.control()
         self.ctrl[:, self.motors] = STALL_NM * actions
 
-    def true(self, ids: Ids | None = None) -> dict[str, Array]:
+    def look(self, ids: Ids, out: Array) -> None:
         """As a fleet's, with the cultivator's draft and the motors' torque."""
-        some = slice(None) if ids is None else ids
-        torque = STALL_NM * self.torques[some] - DRAG_NMSPM * self.qvel[some][:, self.spins]
-        own = {"draft_n": self.draft[some], "axle_torque_nm": torque[:, 0] + torque[:, 1]}
-        now = true(self.reported, self.driven, ids) | own
-        return now | powers(now, LEAST_W)
+        true(*self.reported, self.driven, ids, out)
+        torque = STALL_NM * self.torques[ids] - DRAG_NMSPM * self.qvel[ids][:, self.spins]
+        out[DRAFT, ids], out[TORQUE, ids] = self.draft[ids], torque[:, 0] + torque[:, 1]
+        powers(ids, LEAST_W, out)
 
     def _draft(self) -> Array:
         """The cultivator's draft at the speed of now. Shape (nsim,)."""
