@@ -14,10 +14,8 @@ import tyro
 from twin.commands.output import check_folder
 from twin.commands.parse import parse
 from twin.commands.run import DEFAULT_ESTIMATORS, load_estimators, status
-from twin.commands.score_table import print_scores
 from twin.commands.terminal import counting, say
 from twin.errors import BadInput
-from twin.scores.table import slip_lines
 
 if TYPE_CHECKING:
     from twin.pipeline.result import Result
@@ -50,6 +48,8 @@ class Estimate:
 def main(args: Sequence[str]) -> int:
     """Read a log, run the estimators, write the folder, print the result."""
     options = parse(Estimate, args, prog="twin estimate")
+    if options.reader is None and not options.log.exists():  # before anything heavy is loaded
+        raise BadInput(f"{options.log}: there is no such file")
     from twin.io import run_folder
 
     directory = options.out or Path("runs") / options.log.resolve().stem
@@ -80,6 +80,9 @@ def _say(result: Result, directory: Path, options: Estimate) -> None:
     if options.json:
         print(json.dumps(result.scores, indent=2))
     elif not options.quiet:
+        from twin.commands.score_table import print_scores
+        from twin.scores.table import slip_lines
+
         print_scores(result.scores)
         notes = [f"note: {note}" for note in result.notes]
         files = f"{directory}/report.html, {directory}/run.rrd"
