@@ -16,10 +16,11 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from twin.compute.compiled import ROOT
 from twin.errors import BadInput, UnknownName
 from twin.io.result_rows import Rows, row
 
+ROOT = Path(__file__).parents[2]
+"""This checkout."""
 ESTIMATORS = "ratio,four-state"
 DRIVE = """
 import sys, time
