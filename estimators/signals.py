@@ -8,6 +8,7 @@ the samples are cut changes no bit.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -137,7 +138,7 @@ def _read(
             speed, variance, used = camera[rows[i]]
             if used == 1.0 and variance >= 0.0:
                 signal.v_x_mps = speed + memory.yaw_rate_radps * nominal.camera_y_m
-                signal.v_sd_mps = np.sqrt(variance)
+                signal.v_sd_mps = math.sqrt(variance)
         signal.yaw_rate_radps = memory.yaw_rate_radps
         signal.pitch_rate_radps = memory.history[memory.imu_samples % HISTORY, 1]
         signal.v_y_held_mps = memory.v_y_mps
@@ -145,4 +146,4 @@ def _read(
         known = memory.sideslip_var_m2 > 0.0  # some lateral velocity has been integrated
         signal.sideslip_m = memory.sideslip_m if known else np.nan
         signal.sideslip_rear_m = memory.sideslip_rear_m if known else np.nan
-        signal.sideslip_sd_m = np.sqrt(memory.sideslip_var_m2) if known else np.nan
+        signal.sideslip_sd_m = math.sqrt(memory.sideslip_var_m2) if known else np.nan

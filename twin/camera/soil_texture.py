@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.camera.chance import keys, mixed, node, uniform
-from twin.compute.compiled import law as pixel_loop
+from twin.compute.compiled import pixel_loop
 
 Bytes = NDArray[np.uint8]
 Floats = NDArray[np.float32]

@@ -11,11 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from twin.commands.log_summary import print_log
 from twin.commands.output import check_files, check_folder
 from twin.commands.parse import parse
 from twin.commands.run import DEFAULT_ESTIMATORS, load_estimators, status
-from twin.commands.score_table import print_scores
 from twin.commands.terminal import counting, say
 from twin.errors import BadInput
 
@@ -56,10 +54,13 @@ class Estimate:
 def main(args: Sequence[str]) -> int:
     """Read a log, run the estimators, write the folder, print the result."""
     options = parse(Estimate, args, prog="twin estimate")
-    from twin.io import run_folder
-
     if not options.log:
         raise BadInput("no log is named; twin estimate LOG [LOG...]")
+    absent = [log for log in options.log if options.reader is None and not log.exists()]
+    if absent:  # before anything heavy is loaded
+        raise BadInput(f"{absent[0]}: there is no such file")
+    from twin.io import run_folder
+
     directory = options.out or Path("runs") / options.log[0].resolve().stem
     if directory.resolve() in [log.resolve() for log in options.log]:
         raise BadInput(f"--out {directory} is the log itself; choose another folder")
@@ -107,6 +108,9 @@ def _say(result: Result, directory: Path, options: Estimate, csv_time: str | Non
     if options.json:
         print(json.dumps(result.scores, indent=2))
     elif not options.quiet:
+        from twin.commands.log_summary import print_log
+        from twin.commands.score_table import print_scores
+
         print_scores(result.scores)
         print_log(result.scores)
         if csv_time is not None:

@@ -15,15 +15,13 @@ import numpy as np
 
 from twin.commands.measured import Measured, Told, print_columns
 from twin.commands.output import check_folder
-from twin.commands.parse import named_fields, parse
+from twin.commands.overrides import named_fields
+from twin.commands.parse import parse
 from twin.commands.terminal import say, waiting
 from twin.errors import BadInput, UnknownName, check_range
 from twin.io.plain import Plain
-from twin.rig.drawbar import HITCH_M, STEP_N
-from twin.rig.gears import SPEEDS_KMH
-from twin.rig.park import PARKED_S
+from twin.rig.defaults import HITCH_M, PARKED_S, SPEED_MPS, SPEEDS_KMH, STEP_N
 from twin.rig.tyre import Tyre
-from twin.rig.wheel import SPEED_MPS
 from twin.scenario import Scenario, Soil
 
 SLIPS = (

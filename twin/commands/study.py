@@ -19,17 +19,15 @@ import tyro
 from twin.commands.output import Output, check_files, check_folder, deliver
 from twin.commands.parse import parse
 from twin.commands.run import DEFAULT_ESTIMATORS
-from twin.commands.tables import Column, print_table
 from twin.commands.terminal import progress, say
 from twin.errors import BadInput, check_range
 from twin.io.plain import Plain
 from twin.pipeline import named as registry
 from twin.plugins.lookup import Thing
 from twin.scores.table import COVERAGE
-from twin.studies.study import PARTS, PLAN, SUMMARY, TABLE
-from twin.studies.summary import differences_to, mean_of
 
 if TYPE_CHECKING:
+    from twin.commands.tables import Column
     from twin.studies.study import Study as Done
     from twin.studies.summary import Group
 
@@ -102,23 +100,25 @@ def main(args: Sequence[str]) -> int:
         )
     check_files(json=options.json)
     check_folder("figures", options.figures)
-    from twin import studies as study
+    scenarios = [registry.load("scenario", name) for name in names]  # unknown ones refused first
+    from twin import studies
+    from twin.studies.study import PARTS, study
 
     estimators = _listed("--estimators", options.estimators)
     if options.against is not None and options.against not in estimators:
         raise BadInput(f"--against {options.against} is not among --estimators")
-    sweeps = read_sweeps(options.sweep, registry.load("scenario", names[0]))
+    sweeps = read_sweeps(options.sweep, scenarios[0])
     seeds = range(options.first_seed, options.first_seed + options.seeds)
-    cases = study.plan(names, seeds, estimators, sweeps)
+    cases = studies.plan(names, seeds, estimators, sweeps)
     if options.talks:
-        for text in study.left_out(names, sweeps):
+        for text in studies.left_out(names, sweeps):
             say(f"left out: {text}", style="dim")
     plain = "+".join(re.sub(r"[:/\\]+", "-", name).strip("-") for name in names)
     folder = options.out or Path("studies") / plain
     backend_options = [text.partition("=") for text in options.backend_option]
     try:
         with progress(f"{len(cases)} runs", shown=options.talks) as told:
-            done = study.study(
+            done = study(
                 names,
                 estimators,
                 out=folder,
@@ -133,7 +133,7 @@ def main(args: Sequence[str]) -> int:
                 progress=told,
             )
     except KeyboardInterrupt:
-        left = len(study.missing(cases, folder / PARTS))
+        left = len(studies.missing(cases, folder / PARTS))
         there = f"{len(cases) - left} of {len(cases)} runs are in {folder}"
         say(f"twin: interrupted; {there}, the same command continues the study", stderr=True)
         return INTERRUPTED
@@ -190,6 +190,8 @@ def _split(args: Sequence[str]) -> tuple[list[str], Sequence[str]]:
 
 
 def _finish(done: Done, options: Study) -> None:
+    from twin.studies.study import SUMMARY, TABLE
+
     folder = done.folder
     deliver(done.summary, options.json)
     early = done.not_driven
@@ -212,6 +214,7 @@ def _report(done: Done, against: str | None) -> list[str]:
     """The page of the scores that are shown, and of their paired differences."""
     from twin.report import rows
     from twin.report.palette import colours
+    from twin.studies.study import PLAN
 
     folder = done.folder
     shown = [
@@ -275,6 +278,8 @@ def print_means(groups: Sequence[Group], against: str | None = None) -> None:
 
     Beside a quantity's mean stands the mean difference to the estimator `against`, seed by seed.
     """
+    from twin.commands.tables import Column, print_table
+
     columns = [
         Column(heading="setting", cells=[group.setting for group in groups], text=True),
         Column(heading="estimator", cells=[group.estimator for group in groups], text=True),
@@ -295,6 +300,9 @@ def print_means(groups: Sequence[Group], against: str | None = None) -> None:
 
 def _mean_columns(groups: Sequence[Group], quantity: str, against: str | None) -> list[Column]:
     """The column of a quantity, and that of its difference."""
+    from twin.commands.tables import Column
+    from twin.studies.summary import differences_to, mean_of
+
     heading, scale, rank = SHOWN[quantity]
     means = [mean_of(group, quantity) for group in groups]
     columns = [Column(heading=heading, cells=[_cell(m, scale) for m in means], rank=rank)]

@@ -178,7 +178,8 @@ def roll_wheel(
         force = rigid.plus(force, downhill)
         torque = rigid.plus(torque, rigid.cross(tread, downhill))
     elastic = math.sqrt(rigid.dot(force, force))
-    slots[:] = 0.0
+    for i in range(len(slots)):
+        slots[i] = 0.0
     slots[WheelSlot.SPRING_X_N], slots[WheelSlot.SPRING_Y_N] = force[0], force[1]
     slots[WheelSlot.SPRING_Z_N] = force[2]
     normal = rigid.scaled(1.0 / elastic, force) if elastic > 0.0 else plane

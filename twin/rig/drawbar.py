@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from twin.errors import BadInput, check_range
 from twin.physics.block import MachineSlot, WheelSlot
+from twin.rig.defaults import HITCH_M, STEP_N
 from twin.rig.table import Measured
 from twin.rig.tractor import Slots, drive, mean, statics, tractor
 from twin.rig.tyre import Tyre
@@ -18,12 +19,8 @@ from twin.simulation.simulation import DECISION_S, Simulation
 
 Array = NDArray[np.float64]
 
-HITCH_M = 0.45
-"""Height of the pull above the ground [m]: that of a drawbar; assumed."""
 ROLLING_S = 4.0
 """Time in which the tractor gets up to its speed before it is loaded [s]."""
-STEP_N = 500.0
-"""Pull from one point to the next [N]."""
 SETTLING_S, HOLD_S = 1.0, 5.0
 """Time before a point, and time over which it is averaged, the pull held [s]."""
 STEADY = 2e-3

@@ -6,8 +6,6 @@ import dataclasses
 from dataclasses import dataclass
 from functools import cache
 
-import mujoco
-
 from twin.errors import BadInput, UnknownName, check_range
 from twin.machine.files import model_path
 from twin.physics.block import Wheel
@@ -83,6 +81,8 @@ class Tyre:
 
 @cache
 def _numbers(machine: str) -> dict[str, float]:
+    import mujoco  # heavy: a wrong option is refused without it
+
     spec = mujoco.MjSpec.from_file(str(model_path(machine)))
     return {n.name: float(n.data[0]) for n in spec.numerics}
 

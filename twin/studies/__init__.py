@@ -12,7 +12,6 @@ missing, and nothing is kept in memory.
 """
 
 from twin.studies.plan import Case, left_out, plan
-from twin.studies.study import study
 from twin.studies.summary import Group, early_ends, groups, quantities, rows
 from twin.studies.table import failed, read, write_table
 from twin.studies.work import missing, work
@@ -20,5 +19,5 @@ from twin.studies.work import missing, work
 __all__ = [
     "Case", "Group", "early_ends", "failed", "groups", "left_out", "missing", "plan",
     "quantities", "read", "rows",
-    "study", "work", "write_table",
+    "work", "write_table",
 ]  # fmt: skip

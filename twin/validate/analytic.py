@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from twin.machine.build import Machine
 from twin.physics import block
 from twin.physics.block import WheelSlot
-from twin.rig.drawbar import HITCH_M, drawbar, expected_pull_n
+from twin.rig.defaults import HITCH_M
+from twin.rig.drawbar import drawbar, expected_pull_n
 from twin.rig.park import park
 from twin.rig.slope import expected, slope
 from twin.rig.tractor import Statics, statics, tractor
