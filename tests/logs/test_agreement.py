@@ -154,3 +154,32 @@ def test_a_speed_without_a_direction_gives_slip(tmp_path):
     ground, wheel = paired_speeds(log.streams)
     assert np.nanmedian(1.0 - ground / wheel) == pytest.approx(SLIP, abs=0.005)
     assert any("stands along east" in note for note in log.notes)
+
+
+@pytest.mark.parametrize("speed_mps", [0.2, 0.35, 0.55])
+def test_wheels_that_read_zero_while_the_machine_creeps(tmp_path, speed_mps):
+    t = np.arange(120) * 0.5
+    columns = {
+        "t": t, "lat": 48.0 + speed_mps * t / 111_200.0, "lon": np.full(120, 9.0),
+        "v": np.full(120, speed_mps), "course": np.zeros(120), "wheel": np.zeros(120),
+    }  # fmt: skip
+    log = read(written(tmp_path, columns), mapped(tmp_path))
+    assert "wheels" not in log.streams
+    assert any("below the sensor's cut-off" in note for note in log.notes)
+
+
+def test_a_machine_that_stands_has_wheels_that_stand(tmp_path):
+    columns = drive()
+    for name in ("v", "wheel"):
+        columns[name][200:260] = 0.0
+    columns["v"][200:260] = 0.02
+    for name in ("lat", "lon"):
+        columns[name][200:260] = columns[name][200]
+    log = read(written(tmp_path, columns), mapped(tmp_path))
+    assert len(log.streams["wheels"]["epoch_ns"]) == 600
+
+
+def test_a_time_that_is_a_thousand_times_too_long(tmp_path):
+    columns = drive(rate_hz=1.0)
+    columns["t"] = columns["t"] * 1000.0
+    assert "ms taken for s" in notes(tmp_path, columns)
