@@ -285,3 +285,20 @@ def test_a_long_table_takes_little_time_and_memory(tmp_path):
     assert len(log.streams["gnss"]["epoch_ns"]) == 200_000
     assert used_s < 0.6  # 3 s for 1e6 rows; tracing costs some
     assert peak < 4 * path.stat().st_size
+
+
+@pytest.mark.parametrize(
+    ("date", "layout"), [("2024-06-14", ""), ("14.06.2024", "%d.%m.%Y %H:%M:%S.%f"),
+                         ("20240614", "%Y%m%d %H:%M:%S.%f")],
+)  # fmt: skip
+def test_a_date_and_a_time_of_day_in_two_columns(tmp_path, date, layout):
+    columns = drive()
+    columns["date"] = np.full(600, date, dtype=object)
+    clock = [f"10:{i // 300:02d}:{i / 5 % 60:06.3f}" for i in range(600)]
+    columns["t"] = np.array(clock, dtype=object)
+    more = f', format = "{layout}"' if layout else ""
+    text = MAP.replace('{column = "t", unit = "s"}',
+                       f'{{column = ["date", "t"], unit = "timestamp"{more}}}')  # fmt: skip
+    log = read(written(tmp_path, columns), mapped(tmp_path, text))
+    assert log.streams["wheels"]["epoch_ns"][0] == 1_718_359_200 * 10**9
+    assert right(log)

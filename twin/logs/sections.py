@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.errors import BadInput, UnknownName
-from twin.logs.cells import kept, quoted
+from twin.logs.cells import kept, quoted, side_by_side
 from twin.logs.checks import carried
 from twin.logs.checks.counters import unwrapped
 from twin.logs.checks.spikes import spikes
@@ -92,8 +92,12 @@ class Columns:
         if time is None:
             raise BadInput('the column map has no [log] time = {column = "...", unit = "s"}')
         if time.column not in self._stamps:
-            signal = named(time.column, self.found.signals, "log.time")
-            made = stamps(time.column, signal.cells, time.unit, time.layout, self.found.row, "log")
+            parts = [
+                named(column, self.found.signals, "log.time").cells
+                for column in (time.column, *time.more)
+            ]
+            cells = parts[0] if len(parts) == 1 else side_by_side(parts)
+            made = stamps(time.column, cells, time.unit, time.layout, self.found.row, "log")
             self._told.losses += made.losses
             self._stamps[time.column] = made
         return self._stamps[time.column]
