@@ -45,6 +45,7 @@ class Columns:
         self.shift_ns = 0
         """What is taken off the file's clock."""
         self._stamps: dict[str, Stamps] = {}
+        self._clocks: dict[int, NDArray[np.int64]] = {}
         self._uses = Counter(
             s.column for section in columns_of.columns.values() for s in section.values()
         )
@@ -67,7 +68,9 @@ class Columns:
             return Timed(rows, table.epoch_ns - self.shift_ns, self._numbers(table.kept))
         numbered = np.arange(1, len(signal.epoch_ns) + 1)
         rising, losses = in_order(name, signal.epoch_ns, numbered, name, len(numbered))
-        self._told.losses += losses
+        if id(signal.epoch_ns) not in self._clocks:  # signals of one source share their times
+            self._clocks[id(signal.epoch_ns)] = signal.epoch_ns
+            self._told.losses += losses
         rows = Signal(kept(signal.cells, rising), signal.epoch_ns[rising])
         return Timed(rows, signal.epoch_ns[rising] - self.shift_ns, numbered[rising])
 
