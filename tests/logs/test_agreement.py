@@ -183,3 +183,18 @@ def test_a_time_that_is_a_thousand_times_too_long(tmp_path):
     columns = drive(rate_hz=1.0)
     columns["t"] = columns["t"] * 1000.0
     assert "ms taken for s" in notes(tmp_path, columns)
+
+
+def test_a_velocity_that_turns_is_no_spike_and_one_that_leaps_is(tmp_path):
+    columns = drive(rate_hz=1.0)
+    turn = np.cumsum(np.where(np.arange(120) % 17 == 0, 1.5, 0.1))
+    columns["ve"], columns["vn"] = columns["v"] * np.cos(turn), columns["v"] * np.sin(turn)
+    columns["ve"][60] = 25.0
+    text = (
+        '[log]\ntime = {column = "t", unit = "s"}\n[gnss]\nv_east = {column = "ve", unit = "m/s"}\n'
+    )
+    text += 'v_north = {column = "vn", unit = "m/s"}\n'
+    log = read(written(tmp_path, columns), mapped(tmp_path, text))
+    assert np.flatnonzero(np.isnan(log.streams["gnss"]["v_north_mps"])).tolist() in ([60], [])
+    assert len(log.streams["gnss"]["epoch_ns"]) == 119
+    assert any(n.startswith("1 of 120 rows left out: column 've', row 61") for n in log.notes)

@@ -194,20 +194,32 @@ def _drop_spikes(
         return
     time_s = (table["epoch_ns"] - table["epoch_ns"][0]) * 1e-9
     for key, source in sources.items():
-        quantity = QUANTITIES[section][key]
-        place = key in ("east", "north")
-        speed = quantity.dimension == "speed" and not key.endswith("_sd")
-        if quantity.column not in table or not (speed or place):
+        columns = _judged_by(key, table)
+        if not columns:
             continue
-        values = table[quantity.column]
-        found = spikes(values, time_s, "position" if place else section)
+        size = np.hypot(*(table[c] for c in columns)) if len(columns) > 1 else table[columns[0]]
+        found = spikes(size, time_s, "position" if key in ("east", "north") else section)
         if found.any():
             row = at[int(np.argmax(found))]
             says = (
                 f"column {quoted(source.column)}, row {row}: a single value far from its neighbours"
             )
-            told.losses.append(Loss("log", at[found], len(values), says))
-            table[quantity.column] = np.where(found, np.nan, values)
+            told.losses.append(Loss("log", at[found], len(size), says))
+            for column in columns:
+                table[column] = np.where(found, np.nan, table[column])
+
+
+def _judged_by(key: str, table: Table) -> tuple[str, ...]:
+    """The columns in which a spike shows: a velocity turns, and only its size tells."""
+    if key == "v_east":
+        columns: tuple[str, ...] = ("v_east_mps", "v_north_mps")
+    elif key in ("east", "north"):
+        columns = (f"{key}_m",)
+    elif key in ("speed", "driven_speed", "v_forward") or key.startswith("speed_"):
+        columns = (f"{key}_mps",) if key != "speed_sd" else ()
+    else:
+        columns = ()
+    return columns if set(columns) <= set(table) else ()
 
 
 def _brought(

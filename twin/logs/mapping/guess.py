@@ -112,10 +112,12 @@ def _by_name(seen: list[Seen]) -> list[Guess]:
         allowed = tuple(UNITS[QUANTITIES[section][key].dimension])
         told = unit_of(each.name, allowed)
         unit = told or _usual_unit(section, key, each, allowed)
-        why = "by its name" if told or len(allowed) <= 2 else "by its name; the unit is not said"
+        large = np.nanmax(np.abs(each.values)) > 2.1 * math.pi
+        plain = len(allowed) <= 2 or (unit == "deg" and large)
+        why = "by its name" if told or plain else "by its name; the unit is not said"
         chosen[quantity] = Guess(
             signal=each.name, section=section, key=key, unit=unit, why=why,
-            sure=bool(told) or len(allowed) <= 2,
+            sure=bool(told) or plain,
         )  # fmt: skip
     return _consistent(chosen)
 
