@@ -62,7 +62,7 @@ def estimate(
         truth=reference,
         estimates=done.tables,
         wall_s=time.perf_counter() - start,
-        notes=(*log.notes, *done.notes, *([odd] if odd else []), *_loud(log, done.tables)),
+        notes=(*log.notes, *done.notes, *([odd] if odd else []), *loud(log, done.tables)),
         failed=done.failed,
         name=files[0].resolve().stem,
         found=beside | findings(log, done.tables, steady, protocol_spans_ns(beside)),
@@ -73,7 +73,7 @@ LOUD_SLIP = 0.25
 """Median slip that no work in a field has; most often a unit or a radius is wrong."""
 
 
-def _loud(log: Log, estimates: Mapping[str, Table]) -> list[str]:
+def loud(log: Log, estimates: Mapping[str, Table]) -> list[str]:
     """A note for every estimator whose median slip is large, or that says nothing of slip."""
     notes = []
     for name, table in estimates.items():
