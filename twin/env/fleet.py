@@ -108,7 +108,7 @@ def governor(machine: Machine, throttle: Array) -> Array:
 
 def start_throttle(machine: Machine) -> float:
     """The throttle action that sets the scenario's engine speed."""
-    set_rpm = machine.scenario.drive.engine_set_rpm
+    set_rpm = machine.scenario.gear.set_rpm
     return 2.0 * (set_rpm - SLOWEST_RPM) / (FASTEST_RPM - SLOWEST_RPM) - 1.0
 
 

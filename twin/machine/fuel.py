@@ -33,6 +33,8 @@ def fuel_lph(
     idle, N stays 50: there the law leaves its data, and fuel falls no further, which is more than
     an idling engine takes.
 
+    Where the fuel of this engine at rated power was measured, Q is scaled to it.
+
     An engine that gives no power is dead or driven, its fuel shut off: Q = 0. So is a motor's.
 
     Args:
@@ -54,4 +56,5 @@ def fuel_lph(
     n = 100.0 * np.clip(1.0 - radps / rated_radps, 0.0, MOST_REDUCED)
     pto_kw = 1e-3 * numbers["engine.pto_efficiency"] * rated_w
     rate = (0.22 * x + 0.096) * (1.0 + 0.0045 * x * n - 0.00877 * n) * pto_kw
+    rate = rate * numbers.get("engine.fuel_ratio", 1.0)
     return np.where(power_w > 0.0, rate, 0.0)

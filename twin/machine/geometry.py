@@ -23,7 +23,7 @@ def geometry(machine: Machine) -> Geometry:
         laser_above_sole_m = numbers["plough.sole_below_hitch_m"] + laser_m
     all_wheels = machine.scenario.drive.all_wheel_drive
     return Geometry(
-        machine=machine.scenario.machine,
+        machine=machine.scenario.machine_file.name,
         wheelbase_m=float(model.body("front_axle").pos[0]),
         track_front_m=2.0 * float(model.body("fl_knuckle").pos[1]),
         track_rear_m=2.0 * float(model.body("rl_wheel").pos[1]),

@@ -35,7 +35,8 @@ def brixius(
         M_r   = N c0
 
     so that gross traction is (F_x + M_r) / N, net traction (F_x - M_h) / N: c0 stands in both of
-    the source's ratios, therefore as a moment on the wheel and not as a pull.
+    the source's ratios, therefore as a moment on the wheel and not as a pull. k, c0 and m are the
+    soil's for a bias tyre, changed by the tyre (to 9.5 / 7.5, 0.0325 / 0.04 and 0.9 of them for radials).
 
     Args:
         soil, wheel: parameter blocks (Soil, Wheel).
@@ -50,9 +51,10 @@ def brixius(
     lateral = wheel[Wheel.LATERAL_RATIO] * side_slip
     sigma = math.sqrt(slip * slip + lateral * lateral)
     ceiling = load_n * soil[Soil.FRICTION] * (1.0 - math.exp(-0.1 * bn))
-    k = soil[Soil.SLIP_RATE]
+    k = soil[Soil.SLIP_RATE] * (1.0 + wheel[Wheel.SLIP_RATE_CHANGE])
     # (1 - exp(-k sigma)) / sigma, whose limit at zero is k
     per_slip = ceiling * (-math.expm1(-k * sigma) / sigma if sigma > 1e-9 else k)
-    resistance = load_n * (soil[Soil.MOBILITY_RESISTANCE] / bn + 0.5 * abs(slip) / math.sqrt(bn))
-    rolling = load_n * soil[Soil.ROLLING_MOMENT]
+    m = soil[Soil.MOBILITY_RESISTANCE] * (1.0 + wheel[Wheel.MOBILITY_RESISTANCE_CHANGE])
+    resistance = load_n * (m / bn + 0.5 * abs(slip) / math.sqrt(bn))
+    rolling = load_n * (soil[Soil.ROLLING_MOMENT] * (1.0 + wheel[Wheel.ROLLING_MOMENT_CHANGE]))
     return per_slip * slip, per_slip * lateral, resistance, rolling, 0.0

@@ -74,7 +74,7 @@ def register(function: Callable[..., Forces], name: str) -> float:
         function: plain Python, or compiled by numba already.
         name: what messages call it.
     """
-    number = int(key(Path(__file__), _source(function, name), name)[:12], 16)
+    number = int(key(Path(__file__), source_of(function, name, "soil law"), name)[:12], 16)
     rows = np.flatnonzero((TABLE[:, 0] == number) | (TABLE[:, 1] == 0))
     if not rows.size:
         raise BadInput(f"soil law '{name}': this process knows {MOST_LAWS} laws already")
@@ -114,10 +114,10 @@ def _compile(function: Callable[..., Forces], name: str) -> CFunc:
         raise BadInput(f"soil law '{name}' cannot be compiled: {reason}") from None
 
 
-def _source(function: Callable[..., Forces], name: str) -> str:
-    """Text of the file a law stands in."""
+def source_of(function: Callable[..., object], name: str, kind: str) -> str:
+    """Text of the file a law stands in. Raises BadInput for what stands in none."""
     try:
         module = inspect.getmodule(getattr(function, "py_func", function))
         return inspect.getsource(module)  # type: ignore[arg-type]  # None is a TypeError too
     except (OSError, TypeError):
-        raise BadInput(f"soil law '{name}' is no function of a module in a file") from None
+        raise BadInput(f"{kind} '{name}' is no function of a module in a file") from None

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from functools import cache
-
-import mujoco
 
 from twin.errors import BadInput, UnknownName, check_range
-from twin.machine.files import model_path
 from twin.physics.block import Wheel
-from twin.scenario import MACHINES
+from twin.vehicle import files
+from twin.vehicle.numerics import machine_facts
 
 AXLES = ("front", "rear")
 RIGID_NPM = 1e9
@@ -50,8 +47,7 @@ class Tyre:
     """A smooth rigid wheel: no deflection, the rolling radius is the radius."""
 
     def __post_init__(self) -> None:
-        if self.machine not in MACHINES:
-            raise UnknownName("machine", self.machine, MACHINES)
+        files.machine(self.machine)
         if self.axle not in AXLES:
             raise UnknownName("axle", self.axle, AXLES)
         for name, low, high in (
@@ -81,13 +77,7 @@ class Tyre:
         return sizes
 
 
-@cache
-def _numbers(machine: str) -> dict[str, float]:
-    spec = mujoco.MjSpec.from_file(str(model_path(machine)))
-    return {n.name: float(n.data[0]) for n in spec.numerics}
-
-
 def machine_tyre(machine: str, axle: str) -> dict[Wheel, float]:
     """The sizes a machine's model gives for the tyre of an axle."""
-    numbers = _numbers(machine)
+    numbers = machine_facts(files.machine(machine)).numbers
     return {f: numbers[f"tyre_{axle}.{f.name.lower()}"] for f in SIZES}
