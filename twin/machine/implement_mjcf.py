@@ -19,6 +19,8 @@ from twin.vehicle.kinds import KINDS
 from twin.vehicle.numerics import implement_numerics
 
 FRAME, STEEL, RUBBER = (0.10, 0.24, 0.50, 1.0), (0.50, 0.49, 0.47, 1.0), (0.085, 0.085, 0.09, 1.0)
+AXIS_M = 0.05
+"""Height of the axis about which a plough turns over."""
 LASER_M = (-1.0, 0.9, 0.05)
 """Where the range finder sits on the frame of a large plough."""
 
@@ -44,6 +46,7 @@ def implement_spec(part: Implement) -> mujoco.MjSpec:
     n, kind = derive_implement(part), KINDS[part.kind]
     spec = mujoco.MjSpec()
     spec.modelname = part.name
+    spec.compiler.degree = False
     for name, value in implement_numerics(n).items():
         spec.add_numeric(name=name, size=1, data=[value])
     frame = spec.worldbody.add_body(name="frame")
@@ -67,7 +70,11 @@ def implement_spec(part: Implement) -> mujoco.MjSpec:
     places = tool_places_m(part, n)
     for i, (x, y) in enumerate(places):
         aside = frame.add_frame(name=f"aside.{i + 1}", pos=[x, y, 0.0])
-        frame.add_site(name=f"share_{i + 1}", pos=[0.0, 0.0, sole_m]).attach_frame(aside)
+        frame.add_site(name=f"share_{i + 1}", pos=[0.0, 0.0, sole_m]).set_frame(aside)
+        if kind.furrow:
+            turned = frame.add_frame(name=f"turned.{i + 1}", pos=[0.0, 0.0, AXIS_M])
+            turned.set_frame(aside)
+            _dress_body(frame, turned, sole_m, n["body_width_m"])
     laser_m = [LASER_M[0] * min(1.0, length_m / 3.2), min(0.9, 0.5 * width_m + 0.2), LASER_M[2]]
     frame.add_site(name="depth_laser", pos=laser_m)
     radius_m = n["gauge_wheel.radius_m"]
@@ -89,6 +96,29 @@ def implement_spec(part: Implement) -> mujoco.MjSpec:
     return spec
 
 
+def _dress_body(frame: Plain, turned: Plain, sole_m: float, width_m: float) -> None:
+    """Draw the two bodies of a reversible plough, below and above the axis it turns over about."""
+    for up in (1.0, -1.0):
+        low = up * (sole_m - AXIS_M)
+        leg = frame.add_geom(
+            type=BOX, pos=[-0.15, -0.16 * up * width_m / 0.35, 0.5 * low],
+            size=[0.08, 0.025, 0.5 * abs(low)], rgba=list(FRAME), **VISUAL,
+        )  # fmt: skip
+        board = frame.add_geom(
+            type=BOX, pos=[-0.10, 0.0, low + 0.17 * up], size=[0.30, 0.015, 0.17],
+            quat=_turned(0.65, -0.25 * up), rgba=list(STEEL), **VISUAL,
+        )  # fmt: skip
+        for geom in (leg, board):
+            geom.set_frame(turned)
+
+
+def _turned(about_z: float, about_x: float) -> list[float]:
+    """A turn about x and then about z, as a quaternion."""
+    a, b = 0.5 * about_z, 0.5 * about_x
+    return [math.cos(a) * math.cos(b), math.cos(a) * math.sin(b),
+            math.sin(a) * math.sin(b), math.sin(a) * math.cos(b)]  # fmt: skip
+
+
 def _dress(
     frame: Plain, wheel: Plain, part: Implement, n: Derived, places: list[tuple[float, float]]
 ) -> None:
@@ -106,28 +136,29 @@ def _dress(
     last_m = min(x for x, _ in places)
     bar((0.02, 0.0, n["mast_m"] - 0.04), (max(last_m, -0.65), 0.0, 0.08), 0.03)
     if kind.furrow:
-        bar((0.0, 0.0, 0.05), (places[0][0], places[0][1], 0.05), 0.06)
-        bar((*places[0], 0.05), (*places[-1], 0.05), 0.07)
+        aside = frame.add_frame(name="aside.beam")
+        turned = frame.add_frame(name="turned.beam", pos=[0.0, 0.0, AXIS_M])
+        turned.set_frame(aside)
+        (x0, y0), (x1, y1) = places[0], places[-1]
+        for ends in (((0.0, 0.0), (x0, y0)), ((x0 + 0.1, y0), (x1 - 0.2, y1))):
+            beam = frame.add_geom(
+                type=CAPSULE, size=[0.07, 0.0, 0.0], fromto=[*ends[0], 0.0, *ends[1], 0.0],
+                rgba=list(FRAME), **VISUAL,
+            )  # fmt: skip
+            beam.set_frame(turned)
     else:
         for x in sorted({x for x, _ in places}):
             bar((x, -0.5 * width_m, 0.05), (x, 0.5 * width_m, 0.05), 0.05)
         for y in (-0.25 * width_m, 0.25 * width_m):
             bar((0.0, y, 0.05), (last_m, y, 0.05), 0.045)
-    for x, y in places:
-        if kind.furrow:
-            bar((x, y, 0.05), (x - 0.10, y + 0.1, sole_m + 0.30), 0.05)
-            frame.add_geom(
-                type=BOX, pos=[x - 0.12, y, sole_m + 0.16], size=[0.30, 0.02, 0.15],
-                quat=[math.cos(-0.35), 0.0, 0.0, math.sin(-0.35)], rgba=list(STEEL), **VISUAL,
-            )  # fmt: skip
-        else:
-            bar((x, y, 0.05), (x - 0.12, y, 0.45 * sole_m), 0.022, STEEL)
-            bar((x - 0.12, y, 0.45 * sole_m), (x, y, sole_m + 0.02), 0.020, STEEL)
-            frame.add_geom(
-                type=BOX, pos=[x - 0.02, y, sole_m + 0.03],
-                size=[0.09, 0.04 if part.kind != "sweep" else 0.4 * n["body_width_m"], 0.012],
-                quat=[math.cos(0.2), 0.0, math.sin(0.2), 0.0], rgba=list(STEEL), **VISUAL,
-            )  # fmt: skip
+    for x, y in [] if kind.furrow else places:
+        bar((x, y, 0.05), (x - 0.12, y, 0.45 * sole_m), 0.022, STEEL)
+        bar((x - 0.12, y, 0.45 * sole_m), (x, y, sole_m + 0.02), 0.020, STEEL)
+        frame.add_geom(
+            type=BOX, pos=[x - 0.02, y, sole_m + 0.03],
+            size=[0.09, 0.04 if part.kind != "sweep" else 0.4 * n["body_width_m"], 0.012],
+            quat=[math.cos(0.2), 0.0, math.sin(0.2), 0.0], rgba=list(STEEL), **VISUAL,
+        )  # fmt: skip
     if part.gauge_wheel.fitted:
         radius_m = n["gauge_wheel.radius_m"]
         wheel.add_geom(

@@ -57,6 +57,7 @@ def machine_spec(machine: Machine) -> mujoco.MjSpec:
     n = derive(machine)
     spec = mujoco.MjSpec()
     spec.modelname = machine.name
+    spec.compiler.degree = False
     spec.option.timestep = 0.002
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
