@@ -22,7 +22,9 @@ from twin.vehicle import Implement, Machine, files
 from twin.vehicle.implement import NONE
 from twin.vehicle.numerics import Facts, machine_facts
 
-POWERS_KW = ((75.0, "plough_3"), (140.0, "plough_1lf435"), (math.inf, "plough_6"))
+POWERS_KW = (
+    (52.0, "plough_2"), (85.0, "plough_3"), (140.0, "plough_1lf435"), (math.inf, "plough_6"),
+)  # fmt: skip
 """The plough of a machine whose file names no implement, up to a power."""
 STEPS_S = (0.0005, 0.001, 0.002)
 

@@ -6,7 +6,8 @@ from functools import cache
 from pathlib import Path
 from typing import TypeVar
 
-from twin.errors import BadInput, UnknownName
+from twin.errors import BadInput, TwinError, UnknownName
+from twin.vehicle.check import refuse_inconsistent
 from twin.vehicle.implement import NONE, Implement
 from twin.vehicle.machine import Machine
 from twin.vehicle.reading import read
@@ -42,7 +43,13 @@ def machine(spec: str) -> Machine:
         UnknownName: there is no such machine.
         BadInput: the file cannot be used.
     """
-    return _found("machine", spec, "catalogue", Machine)
+    found = _found("machine", spec, "catalogue", Machine)
+    if found.folder and found.mjcf is None:
+        try:
+            refuse_inconsistent(found)
+        except TwinError as error:
+            raise BadInput(f"{spec}: {error}") from None
+    return found
 
 
 def implement(spec: str) -> Implement:
