@@ -15,6 +15,7 @@ from twin.rig.tyre import Tyre
 from twin.rig.wheel import towed, wheel
 from twin.scenario import Drive, Soil
 from twin.simulation.simulation import DECISION_S, Simulation
+from twin.vehicle import files
 
 Array = NDArray[np.float64]
 
@@ -44,11 +45,15 @@ class DrawbarCurve(Measured):
     pull_n: Array
     slip: Array
     """Mean of the rear wheels, (w R - v) / max(|w R|, |v|)."""
+    front_slip: Array
+    """The same of the front wheels."""
     speed_mps: Array
     front_load_n: Array
     rear_load_n: Array
     axle_torque_nm: Array
     """What the gears give the rear axle."""
+    front_pull_n: Array
+    """Shear less resistance of the front wheels, below 0 where they are towed."""
     engine_rpm: Array
     crank_power_w: Array
     """Torque times speed of the engine."""
@@ -71,8 +76,9 @@ def drawbar(
     step_n: float = STEP_N,
     most_slip: float = 0.40,
     gear: Drive | None = None,
+    machine: str = files.USUAL,
 ) -> DrawbarCurve:
-    """Pull against slip of the tractor by loads that are held; rear-wheel drive, lock engaged.
+    """Pull against slip of a tractor by loads that are held, lock engaged.
 
     The pull is horizontal, against the course. Each is held for a second and then for 5 s over
     which it is read, and held on while the speed of its two halves differs: nothing that the
@@ -85,7 +91,8 @@ def drawbar(
         first_n: the first load [N].
         step_n: load from one point to the next [N].
         most_slip: slip at which the test ends.
-        gear: gear and governor setting; None for a scenario's.
+        gear: gear, governor setting and driven axles; None for the machine's usual ones.
+        machine: a name of `twin list`, or a file.
 
     Raises:
         OutOfRange: an argument outside what can be tested.
@@ -95,7 +102,7 @@ def drawbar(
     check_range("first_n", first_n, 100.0, 50e3)
     check_range("step_n", step_n, 100.0, 5000.0)
     check_range("most_slip", most_slip, 0.05, 0.9)
-    simulation = Simulation(tractor("rig-drawbar", soil, gear=gear))
+    simulation = Simulation(tractor("rig-drawbar", soil, gear=gear, machine=machine))
     drive(simulation, ROLLING_S)
     points: list[tuple[float, ...]] = []
     while not points or points[-1][1] < most_slip:
@@ -106,10 +113,11 @@ def drawbar(
         points.append((pull_n, *_read(held)))
     if len(points) < 3:
         raise BadInput(f"the tractor does not pull {first_n + 2.0 * step_n:g} N on this soil")
-    pull, slip, speed, front, rear, torque, rpm, crank = np.array(points).T
+    pull, slip, speed, front, rear, torque, rpm, crank, front_slip, front_pull = np.array(points).T
     return DrawbarCurve(
         pull_n=pull, slip=slip, speed_mps=speed, front_load_n=front, rear_load_n=rear,
-        axle_torque_nm=torque, engine_rpm=rpm, crank_power_w=crank,
+        axle_torque_nm=torque, engine_rpm=rpm, crank_power_w=crank, front_slip=front_slip,
+        front_pull_n=front_pull,
     )  # fmt: skip
 
 
@@ -137,8 +145,9 @@ def _drawn(simulation: Simulation, hitch_m: float, pull_n: float, seconds: float
 
 
 def _read(slots: Slots) -> tuple[float, ...]:
-    """Slip, speed, front and rear load, axle torque, engine speed and power."""
-    rear, load, machine = slots.wheels[2:], slots.wheels[:, WheelSlot.LOAD_N], slots.machine
+    """Slip, speed, front and rear load, axle torque, engine speed and power; slip and pull of the
+    front wheels."""
+    front, rear, load, machine = slots.wheels[:2], slots.wheels[2:], slots.wheels[:, WheelSlot.LOAD_N], slots.machine
     engine_radps = float(machine[MachineSlot.ENGINE_RADPS])
     return (
         float(rear[:, WheelSlot.SLIP].mean()),
@@ -148,6 +157,8 @@ def _read(slots: Slots) -> tuple[float, ...]:
         float(machine[MachineSlot.AXLE_TORQUE_NM]),
         engine_radps * 30.0 / np.pi,
         engine_radps * float(machine[MachineSlot.ENGINE_TORQUE_NM]),
+        float(front[:, WheelSlot.SLIP].mean()),
+        float((front[:, WheelSlot.SHEAR_X_N] - front[:, WheelSlot.RESISTANCE_N]).sum()),
     )
 
 
@@ -160,8 +171,10 @@ def _pull(simulation: Simulation, hitch_m: float, pull_n: float) -> None:
     force[0, body, 4] = -pull_n * (hitch_m - height_m)
 
 
-def expected_pull_n(soil: Soil, slip: ArrayLike, *, hitch_m: float = HITCH_M) -> Array:
-    """Pull at given slips of the rear axle, by the wheel rig and the tractor's statics. Shape (n,).
+def expected_pull_n(
+    soil: Soil, slip: ArrayLike, *, hitch_m: float = HITCH_M, machine: str = files.USUAL
+) -> Array:
+    """Pull at given slips of the driven rear axle, by the wheel rig and statics. Shape (n,).
 
     Moments about the rear hubs, with the wheels' forces at their hubs and the axle torque T:
 
@@ -170,12 +183,13 @@ def expected_pull_n(soil: Soil, slip: ArrayLike, *, hitch_m: float = HITCH_M) ->
 
     F_f < 0 is the towed front wheels'. Height of the centre of gravity does not count on the level.
     """
-    slips, body = np.atleast_1d(np.asarray(slip, dtype=np.float64)), statics(soil)
+    slips, body = np.atleast_1d(np.asarray(slip, dtype=np.float64)), statics(soil, machine)
+    rear_tyre, front_tyre = (Tyre(machine=machine, axle=axle) for axle in ("rear", "front"))
     rear_n = np.full(slips.shape, body.weight_n * (1.0 - body.cg_ahead_m / body.wheelbase_m))
     pull_n = np.zeros(slips.shape)
     for _ in range(ITERATIONS):
-        driven = wheel(Tyre(axle="rear"), soil, slip=slips, load_n=0.5 * rear_n)
-        front = towed(Tyre(axle="front"), soil, load_n=0.5 * (body.weight_n - rear_n))
+        driven = wheel(rear_tyre, soil, slip=slips, load_n=0.5 * rear_n)
+        front = towed(front_tyre, soil, load_n=0.5 * (body.weight_n - rear_n))
         front_n = 2.0 * front.net_pull_n
         pull_n = 2.0 * driven.net_pull_n + front_n
         moment = (

@@ -23,7 +23,7 @@ SIZES = tuple(f for f in Wheel if Wheel.WIDTH_M <= f <= Wheel.NOMINAL_LOAD_N)
 class Tyre:
     """The wheel under test. What is None follows the machine's tyre."""
 
-    machine: str = "taishan_1404a"
+    machine: str = files.USUAL
     """Whose tyre."""
     axle: str = "rear"
     """front or rear."""

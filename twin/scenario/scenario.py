@@ -37,7 +37,7 @@ class Scenario:
     """Its name, in tables and in the name of the run's folder."""
     about: str = ""
     """What it is, in one line."""
-    machine: str = "taishan_1404a"
+    machine: str = files.USUAL
     """The tractor: a name of `twin list`, a TOML file, or a MJCF with the documented numerics."""
     implement: str | None = None
     """The implement: a name of `twin list`, a TOML file, or none for the tractor alone; None for

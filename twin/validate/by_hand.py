@@ -10,7 +10,7 @@ from twin.machine.build import Machine
 from twin.machine.start import RAISED_RAD
 from twin.physics.block import MACHINE_SLOTS, WheelSlot
 from twin.rig.tyre import machine_tyre
-from twin.scenario import Soil
+from twin.scenario import Scenario, Soil
 from twin.simulation.simulation import Simulation
 from twin.validate.brixius_forms import mobility
 
@@ -47,5 +47,5 @@ def wheels(state: mujoco.MjData) -> Array:
 
 def mobility_of(axle: str, load_n: float, soil: Soil) -> float:
     """Brixius' mobility number of the tractor's tyre of an axle."""
-    sizes = machine_tyre("taishan_1404a", axle)
+    sizes = machine_tyre(Scenario.machine, axle)
     return mobility(sizes, load_n, soil.resolved.cone_index_kpa)

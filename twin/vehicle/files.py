@@ -13,7 +13,8 @@ from twin.vehicle.machine import Machine
 from twin.vehicle.reading import read
 
 T = TypeVar("T", Machine, Implement)
-SUFFIXES = (".toml", ".xml")
+USUAL = "taishan_1404a"
+"""The machine of a scenario and of a rig that names none."""
 
 
 @cache
