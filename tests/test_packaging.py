@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from twin.machine.files import model_path
 
 import estimators
 import scenarios
 import twin
 from scenarios.ima_pkf import Trial
-from twin.machine.files import model_path
 from twin.pipeline import named as registry
 from twin.scenario import MACHINES, Scenario
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from twin.machine.files import model_path
 
 from tests.simulation.rigs import EVEN_PLOUGHING, driven, replace
 from twin.errors import BadInput, OutOfRange
-from twin.machine.files import model_path
 from twin.machine.plough_setting import expected_draft_n
 from twin.scenario import Course, Plough
 from twin.simulation.build import build

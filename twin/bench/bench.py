@@ -26,8 +26,8 @@ from twin.env import speed
 from twin.io import run_folder as runfolder
 from twin.io.result_rows import Rows, row
 from twin.machine.build import Machine
-from twin.machine.files import model_path
 from twin.machine.geometry import geometry
+from twin.machine.join import joined
 from twin.pipeline.named import load
 from twin.pipeline.result import Result
 from twin.pipeline.run import run, sense
@@ -83,16 +83,23 @@ def _ploughing(scenario: Scenario) -> tuple[mujoco.MjModel, mujoco.MjData]:
 
 
 def _native() -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """The machine's scene as it stands in plain MuJoCo, settled, then rolling at 1.5 m/s."""
-    spec = mujoco.MjSpec.from_file(str(model_path("taishan_1404a").parent / "scene.xml"))
+    """The machine with its plough as plain MuJoCo has it, settled, then rolling at 1.5 m/s."""
+    scenario = load("scenario", "plough-25cm")
+    spec, numbers = joined(scenario.machine_file, scenario.implement_file)
+    spec.worldbody.add_geom(
+        name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], contype=1, conaffinity=2,
+        friction=[0.7, 0.02, 0.01],
+    )  # fmt: skip
     spec.compiler.discardvisual = True  # as ours is compiled: looks cost time and change nothing
     model = spec.compile()
     model.opt.disableflags = NO_SENSORS
     state = mujoco.MjData(model)
     mujoco.mj_step(model, state, 2000)
     state.qvel[0] = 1.5
-    for wheel, radius_m in (("fl", 0.62), ("fr", 0.62), ("rl", 0.83), ("rr", 0.83)):
-        state.joint(f"taishan_1404a/{wheel}_spin").qvel[0] = 1.5 / radius_m
+    for wheel in ("fl", "fr", "rl", "rr"):
+        axle = "front" if wheel[0] == "f" else "rear"
+        radius_m = numbers[f"tyre_{axle}.nominal_rolling_radius_m"]
+        state.joint(f"{wheel}_spin").qvel[0] = 1.5 / radius_m
     return model, state
 
 

@@ -32,16 +32,17 @@ Array = NDArray[np.float64]
 
 RAISED_M = -0.10
 """Depth set point at which the plough is carried: the shares this much above the ground [m]."""
-DEEPEST_M = 0.35
-"""Deepest depth set point [m]."""
 OWN = {name: block.SOIL + Soil[name.upper()] for name in SPREAD}
 """Where the block has a ground's own numbers of its soil."""
 SHEARED = [block.SOIL + Soil.COHESION_PA, block.SOIL + Soil.TAN_PHI]
 """Where it has what friction scales in Bekker's law."""
 RECORDED = ("sensordata", "userdata")
 """What the sensors of an episode need of every step."""
-SLOWEST_RPM, FASTEST_RPM = 900.0, 2376.0
-"""No-load engine speeds between which the throttle sets the governor [rpm]."""
+DEEPEST_M = 0.35
+"""Deepest depth set point of the usual implement [m]; another has its own greatest depth."""
+SLOWEST, FASTEST = 1.125, 0.99
+"""No-load engine speeds between which the throttle sets the governor: over idle, and over the
+greatest."""
 
 
 @dataclass(frozen=True)
@@ -102,19 +103,22 @@ def lift_rad(machine: Machine, depth_set_m: ArrayLike) -> Array:
 def governor(machine: Machine, throttle: Array) -> Array:
     """Control of a throttle action in [-1, 1], linear in the no-load speed it sets; elementwise."""
     idle, top = (machine.numbers[f"engine.{n}_rpm"] for n in ("idle", "no_load"))
-    set_rpm = SLOWEST_RPM + 0.5 * (throttle + 1.0) * (FASTEST_RPM - SLOWEST_RPM)
+    slowest, fastest = SLOWEST * idle, FASTEST * top
+    set_rpm = slowest + 0.5 * (throttle + 1.0) * (fastest - slowest)
     return (set_rpm - idle) / (top - idle)
 
 
 def start_throttle(machine: Machine) -> float:
     """The throttle action that sets the scenario's engine speed."""
     set_rpm = machine.scenario.gear.set_rpm
-    return 2.0 * (set_rpm - SLOWEST_RPM) / (FASTEST_RPM - SLOWEST_RPM) - 1.0
+    idle, top = (machine.numbers[f"engine.{n}_rpm"] for n in ("idle", "no_load"))
+    slowest, fastest = SLOWEST * idle, FASTEST * top
+    return 2.0 * (set_rpm - slowest) / (fastest - slowest) - 1.0
 
 
-def depth_set_m(hitch: Array) -> Array:
-    """Depth set point of a hitch action in [-1, 1]; elementwise [m]."""
-    return RAISED_M + 0.5 * (hitch + 1.0) * (DEEPEST_M - RAISED_M)
+def depth_set_m(hitch: Array, deepest_m: float = DEEPEST_M) -> Array:
+    """Depth set point of a hitch action in [-1, 1], up to the deepest; elementwise [m]."""
+    return RAISED_M + 0.5 * (hitch + 1.0) * (deepest_m - RAISED_M)
 
 
 def set_task(machine: Machine) -> DriverTask:
@@ -206,7 +210,9 @@ class Fleet(Simulation):
         The driver brakes where the ground drives the engine above what the throttle asks for.
         """
         self.tasks["throttle"] = governor(self.machine, actions[:, 0])
-        self.tasks["work_rad"] = lift_rad(self.machine, depth_set_m(actions[:, 1]))
+        self.tasks["work_rad"] = lift_rad(
+            self.machine, depth_set_m(actions[:, 1], self.machine.scenario.deepest_m)
+        )
         self.decide()
 
     def true(self, ids: Ids | None = None) -> dict[str, Array]:

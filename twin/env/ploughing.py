@@ -34,6 +34,8 @@ class Ploughing(Episodes):
         slip_target: float,
         nsim: int = 1,
         nthread: int = 1,
+        machine: str = Scenario.machine,
+        implement: str | None = None,
     ) -> None:
         wanted = asked(observation, estimator, slip_target)
         self.depth_m, self.slip_target = float(depth_m), float(slip_target)
@@ -41,12 +43,14 @@ class Ploughing(Episodes):
             name="Plough-v0",
             plough=Plough(depth_m=self.depth_m),
             course=Course(approach_m=1.0),  # the last furrow is there from the start
+            machine=machine,
+            implement=implement,
         )
-        machine = build(scenario)
-        numbers = machine.numbers
+        built = build(scenario)
+        numbers = built.numbers
         self.width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
         super().__init__(
-            Fleet(machine, nsim, nthread),
+            Fleet(built, nsim, nthread),
             ground_shapes(self.depth_m),
             observations.MODES[observation],
             wanted,

@@ -15,6 +15,7 @@ from twin.env.ploughing import Ploughing
 from twin.env.pulling import Pulling
 from twin.env.rendering import Look
 from twin.errors import OutOfRange, UnknownName
+from twin.scenario import Scenario
 
 
 class PloughVectorEnv(ManyEnv):
@@ -57,14 +58,18 @@ class PloughVectorEnv(ManyEnv):
         width: int = 640,
         height: int = 480,
         camera: str = "follow",
+        machine: str = Scenario.machine,
+        implement: str | None = None,
     ) -> None:
         EzPickle.__init__(
             self, num_envs, max_episode_steps, observation, estimator, depth_m, slip_target,
-            render_mode, autoreset_mode, nthread, width, height, camera,
+            render_mode, autoreset_mode, nthread, width, height, camera, machine, implement,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
-        episodes = Ploughing(observation, estimator, depth_m, slip_target, num_envs, threads)
+        episodes = Ploughing(
+            observation, estimator, depth_m, slip_target, num_envs, threads, machine, implement
+        )
         self._hold(episodes, look, max_episode_steps, mode)
 
 

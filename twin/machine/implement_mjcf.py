@@ -50,15 +50,15 @@ def implement_spec(part: Implement) -> mujoco.MjSpec:
     for name, value in implement_numerics(n).items():
         spec.add_numeric(name=name, size=1, data=[value])
     frame = spec.worldbody.add_body(name="frame")
-    mass_kg, length_m, width_m, sole_m = (n[k] for k in ("mass_kg", "length_m", "width_m", "sole_m"))
+    mass_kg, length_m, width_m, sole_m = (
+        n[k] for k in ("mass_kg", "length_m", "width_m", "sole_m")
+    )
     frame.add_joint(
         name="pitch", axis=[0, 1, 0], range=[-0.8, 0.8], limited=1, damping=0.2 * mass_kg
     )
     frame.mass, frame.ipos = mass_kg, [n["cg_x_m"], 0.0, 0.35 * sole_m]
     long, wide, tall = (max(0.5, length_m) ** 2, max(0.5, width_m) ** 2, sole_m**2)
-    frame.inertia = [
-        mass_kg / 12.0 * s for s in (wide + tall, long + tall, 0.999 * (long + wide))
-    ]
+    frame.inertia = [mass_kg / 12.0 * s for s in (wide + tall, long + tall, 0.999 * (long + wide))]
     frame.explicitinertial = True
     middle_m, half_m = -0.65 - 0.5 * (length_m - 0.65), 0.5 * max(0.16, length_m - 0.65)
     wide_m = 0.08 if kind.furrow else 0.45 * width_m
@@ -78,7 +78,9 @@ def implement_spec(part: Implement) -> mujoco.MjSpec:
     laser_m = [LASER_M[0] * min(1.0, length_m / 3.2), min(0.9, 0.5 * width_m + 0.2), LASER_M[2]]
     frame.add_site(name="depth_laser", pos=laser_m)
     radius_m = n["gauge_wheel.radius_m"]
-    wheel = frame.add_body(name="depth_wheel", pos=[n["gauge_wheel.x_m"], 0.0, sole_m + 0.25 + radius_m])
+    wheel = frame.add_body(
+        name="depth_wheel", pos=[n["gauge_wheel.x_m"], 0.0, sole_m + 0.25 + radius_m]
+    )
     wheel.mass, wheel.inertia, wheel.explicitinertial = 1e-3, [1e-6] * 3, True
     wheel.add_geom(
         name="depth_wheel_rim", type=CYLINDER, size=[radius_m, 0.08, 0.0], quat=UPRIGHT, contype=2,
@@ -165,7 +167,11 @@ def _dress(
             type=CYLINDER, size=[radius_m, 0.08, 0.0], quat=UPRIGHT, rgba=list(RUBBER), **VISUAL
         )
         wheel.add_geom(
-            type=CYLINDER, size=[0.6 * radius_m, 0.09, 0.0], quat=UPRIGHT, rgba=list(FRAME), **VISUAL
+            type=CYLINDER,
+            size=[0.6 * radius_m, 0.09, 0.0],
+            quat=UPRIGHT,
+            rgba=list(FRAME),
+            **VISUAL,
         )
         wheel.add_geom(
             type=CAPSULE, size=[0.03, 0.0, 0.0], fromto=[0.0, 0.12, 0.0, 0.15, 0.12, 0.5],

@@ -108,8 +108,8 @@ def _cab(
         rgba=list(COLOURS["trim"]), **VISUAL,
     )  # fmt: skip
     ceiling = top_m - 0.12 * up
-    corners = [(x, s * wide, z) for s in (1, -1) for x, z in (
-        (front, waist), (front - 0.07 * length, ceiling), (back, waist), (back, ceiling))]  # fmt: skip
+    edges = ((front, waist), (front - 0.07 * length, ceiling), (back, waist), (back, ceiling))
+    corners = [(x, s * wide, z) for s in (1, -1) for x, z in edges]
     _hull(spec, tractor, "windows", COLOURS["glass"], corners)
     for side in (1, -1):
         for x, lean in ((front, 0.07 * length), (back, 0.0), (0.2 * length, 0.0)):
@@ -129,9 +129,7 @@ def _hull(spec: mujoco.MjSpec, body: Plain, name: str, rgba: Plain, corners: Pla
     mesh = spec.add_mesh(name=name)
     mesh.uservert = np.array(corners, dtype=np.float64).ravel()
     # without inertia of its own a mesh is turned and moved to its middle; the geom undoes that
-    body.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, rgba=list(rgba), **VISUAL
-    )
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, rgba=list(rgba), **VISUAL)
 
 
 def dress_wheel(

@@ -21,7 +21,7 @@ from twin.vehicle.numerics import machine_numerics
 UPRIGHT = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0]
 """Turns a cylinder's axis from up to across."""
 BODY_BOX = (3.55, 1.20, 1.31)
-"""Box, over wheelbase 2.55 m, track 1.80 m and rear radius 0.8775 m, with the body's inertia [m]."""
+"""Box with the body's inertia [m]; of a wheelbase of 2.55, a track of 1.80 and 1.755 m tyres."""
 SENSORS: tuple[tuple[str, str, str, str], ...] = (
     ("actuatorfrc", "steer_left_nm", "actuator", "steer_left"),
     ("actuatorfrc", "steer_right_nm", "actuator", "steer_right"),
@@ -181,16 +181,17 @@ def _body(spec: mujoco.MjSpec, tractor: Plain, machine: Machine, n: Derived) -> 
     carried = sum((_place(b) * float(b.mass) for b in parts), np.zeros(3))
     centre = (moment - carried) / own_kg
     box = np.array(BODY_BOX) * (
-        wheelbase_m / 2.55, n["rear.track_m"] / 1.80, n["rear.diameter_m"] / 1.755
+        wheelbase_m / 2.55,
+        n["rear.track_m"] / 1.80,
+        n["rear.diameter_m"] / 1.755,
     )
     x, y, z = (box**2).tolist()
-    _weigh(
-        tractor, own_kg, [own_kg / 12.0 * s for s in (y + z, x + z, x + y)], centre.tolist()
-    )
-    rear_r, collide = 0.5 * n["rear.diameter_m"], dict(
-        contype=2, conaffinity=1, group=3, rgba=[0.4, 0.5, 0.6, 0.3], mass=0.0,
-        type=mujoco.mjtGeom.mjGEOM_BOX,
-    )  # fmt: skip
+    _weigh(tractor, own_kg, [own_kg / 12.0 * s for s in (y + z, x + z, x + y)], centre.tolist())
+    rear_r = 0.5 * n["rear.diameter_m"]
+    collide: Plain = {
+        "contype": 2, "conaffinity": 1, "group": 3, "rgba": [0.4, 0.5, 0.6, 0.3], "mass": 0.0,
+        "type": mujoco.mjtGeom.mjGEOM_BOX,
+    }  # fmt: skip
     hull = [0.59 * wheelbase_m, 0.194 * n["rear.track_m"], 0.4 * rear_r]
     tractor.add_geom(
         name="hull", size=hull, pos=[0.45 * wheelbase_m, 0.0, 0.17 * rear_r], **collide

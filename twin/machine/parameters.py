@@ -71,8 +71,8 @@ def parameter_block(
         part = _wheel(model, wheel, numbers, scenario.soil.resolved.front_grip)
         parts.append((block.WHEEL + i * Wheel.SIZE, part))
     if scenario.plough is not None:
-        part = scenario.implement_file
-        law = "d497" if part is None else part.draft.law
+        tool = scenario.implement_file
+        law = "d497" if tool is None else tool.draft.law
         parts.append((block.PLOUGH, _plough(model, numbers, law)))
     for start, part in parts:
         for index, value in part.items():

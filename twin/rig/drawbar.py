@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,7 @@ from twin.rig.tyre import Tyre
 from twin.rig.wheel import towed, wheel
 from twin.scenario import Drive, Soil
 from twin.simulation.simulation import DECISION_S, Simulation
-from twin.vehicle import files
+from twin.vehicle import Machine, files
 
 Array = NDArray[np.float64]
 
@@ -76,7 +77,7 @@ def drawbar(
     step_n: float = STEP_N,
     most_slip: float = 0.40,
     gear: Drive | None = None,
-    machine: str = files.USUAL,
+    machine: str | Machine = files.USUAL,
 ) -> DrawbarCurve:
     """Pull against slip of a tractor by loads that are held, lock engaged.
 
@@ -92,7 +93,7 @@ def drawbar(
         step_n: load from one point to the next [N].
         most_slip: slip at which the test ends.
         gear: gear, governor setting and driven axles; None for the machine's usual ones.
-        machine: a name of `twin list`, or a file.
+        machine: a name of `twin list`, a file, or what a file holds.
 
     Raises:
         OutOfRange: an argument outside what can be tested.
@@ -113,6 +114,34 @@ def drawbar(
         points.append((pull_n, *_read(held)))
     if len(points) < 3:
         raise BadInput(f"the tractor does not pull {first_n + 2.0 * step_n:g} N on this soil")
+    return _curve(points)
+
+
+def pulled(
+    soil: Soil,
+    pulls_n: Sequence[float],
+    *,
+    hitch_m: float = HITCH_M,
+    gear: Drive | None = None,
+    machine: str | Machine = files.USUAL,
+) -> DrawbarCurve:
+    """Just these pulls, each held until it is steady, by rising pull. Arguments as `drawbar`.
+
+    Raises:
+        BadInput: the tractor does not hold one of them.
+    """
+    simulation = Simulation(tractor("rig-drawbar", soil, gear=gear, machine=machine))
+    drive(simulation, ROLLING_S)
+    points = []
+    for pull_n in pulls_n:
+        held = _held(simulation, hitch_m, pull_n)
+        if held is None:
+            raise BadInput(f"the tractor does not hold {pull_n:g} N on this soil")
+        points.append((pull_n, *_read(held)))
+    return _curve(points)
+
+
+def _curve(points: list[tuple[float, ...]]) -> DrawbarCurve:
     pull, slip, speed, front, rear, torque, rpm, crank, front_slip, front_pull = np.array(points).T
     return DrawbarCurve(
         pull_n=pull, slip=slip, speed_mps=speed, front_load_n=front, rear_load_n=rear,
@@ -145,9 +174,13 @@ def _drawn(simulation: Simulation, hitch_m: float, pull_n: float, seconds: float
 
 
 def _read(slots: Slots) -> tuple[float, ...]:
-    """Slip, speed, front and rear load, axle torque, engine speed and power; slip and pull of the
-    front wheels."""
-    front, rear, load, machine = slots.wheels[:2], slots.wheels[2:], slots.wheels[:, WheelSlot.LOAD_N], slots.machine
+    """Slip, speed, loads, axle torque, engine speed and power; slip and pull of the front."""
+    front, rear, load, machine = (
+        slots.wheels[:2],
+        slots.wheels[2:],
+        slots.wheels[:, WheelSlot.LOAD_N],
+        slots.machine,
+    )
     engine_radps = float(machine[MachineSlot.ENGINE_RADPS])
     return (
         float(rear[:, WheelSlot.SLIP].mean()),

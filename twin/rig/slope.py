@@ -52,16 +52,16 @@ class CrabAngles(Measured):
     lower_load_n: Array
 
 
-def slope(
-    soil: Soil, cross_slope_deg: ArrayLike, *, machine: str = files.USUAL
-) -> CrabAngles:
+def slope(soil: Soil, cross_slope_deg: ArrayLike, *, machine: str = files.USUAL) -> CrabAngles:
     """Drive each slope until the driver's line is steady.
 
     Raises:
         OutOfRange: a slope beyond what a scenario may have.
     """
     slopes = np.atleast_1d(np.asarray(cross_slope_deg, dtype=np.float64))
-    return CrabAngles(**_stacked(slopes, [_driven(soil, float(angle), machine) for angle in slopes]))
+    return CrabAngles(
+        **_stacked(slopes, [_driven(soil, float(angle), machine) for angle in slopes])
+    )
 
 
 def _driven(soil: Soil, cross_slope_deg: float, machine: str) -> tuple[float, ...]:
@@ -84,9 +84,7 @@ def _stacked(slopes: Array, rows: list[tuple[float, ...]]) -> dict[str, Array]:
     }  # fmt: skip
 
 
-def expected(
-    soil: Soil, cross_slope_deg: ArrayLike, *, machine: str = files.USUAL
-) -> CrabAngles:
+def expected(soil: Soil, cross_slope_deg: ArrayLike, *, machine: str = files.USUAL) -> CrabAngles:
     """Crab angle, steering and slip from the equilibrium of a rigid tractor on the rig's wheels.
 
     In the tractor's axes, with the crab angle beta and gravity G = W sin(theta) down the slope:

@@ -16,6 +16,7 @@ from twin.physics.block import WheelSlot
 from twin.scenario import Course, Drive, Field, Scenario, Soil
 from twin.simulation.build import build
 from twin.simulation.simulation import DECISION_S, Simulation
+from twin.vehicle import Machine as Vehicle
 from twin.vehicle import files
 
 Array = NDArray[np.float64]
@@ -42,15 +43,23 @@ def tractor(
     soil: Soil,
     shape: Field | None = None,
     gear: Drive | None = None,
-    machine: str = files.USUAL,
+    machine: str | Vehicle = files.USUAL,
 ) -> Machine:
-    """A machine without an implement, on soil that is the same everywhere."""
+    """A machine without an implement, on soil that is the same everywhere.
+
+    Args:
+        name: of the scenario.
+        soil, shape: the ground.
+        gear: how it is driven; None for its usual gear, two driven wheels.
+        machine: a name, a file, or what a file holds.
+    """
     homogeneous = dataclasses.replace(soil, strength_cv=0.0)
     course = Course(approach_m=1.0, length_m=5000.0)
     return build(
         Scenario(
             name=name, soil=homogeneous, field=shape or Field(), course=course,
-            drive=gear or Drive(), machine=machine,
+            drive=gear or Drive(), machine=machine if isinstance(machine, str) else machine.name,
+            machine_numbers=None if isinstance(machine, str) else machine,
         )
     )  # fmt: skip
 

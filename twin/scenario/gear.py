@@ -31,7 +31,9 @@ def gear(drive: Drive, machine: Facts) -> Gear:
     """
     set_rpm = machine.usual_rpm if drive.engine_set_rpm is None else drive.engine_set_rpm
     idle, top = (machine.numbers[f"engine.{n}_rpm"] for n in ("idle", "no_load"))
-    check_range("drive.engine_set_rpm", set_rpm, max(300.0 if top >= 1000.0 else 0.0, 1.125 * idle), top)
+    check_range(
+        "drive.engine_set_rpm", set_rpm, max(300.0 if top >= 1000.0 else 0.0, 1.125 * idle), top
+    )
     if drive.gear_kmh is not None:
         rim_m = machine.numbers["tyre_rear.free_rolling_radius_m"]
         ratio = set_rpm * math.pi / 30.0 * rim_m / (drive.gear_kmh / 3.6)

@@ -10,6 +10,7 @@ from joblib import delayed
 from twin.compute.parallel import many
 from twin.validate import (
     analytic,
+    catalogue,
     downhill,
     field,
     fuel,
@@ -51,6 +52,11 @@ TASKS: tuple[tuple[str, Callable[[], list[Check]]], ...] = (
     ("table", fuel.half_load),
     ("laws", traction.law_against_law),
     ("field", field.drawbar_power),
+    ("field", catalogue.deere),
+    ("field", catalogue.large),
+    ("field", catalogue.yemen),
+    ("field", catalogue.korea),
+    ("field", catalogue.ballast),
     ("field", slides.slides_set),
     ("prediction", slides.slide_foretold),
     ("numerical", numerical.halved_step),

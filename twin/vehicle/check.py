@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 from twin.errors import BadInput
 from twin.vehicle.derive import RPM, Derived, derive
@@ -188,7 +189,7 @@ def _engine(machine: Machine, n: Derived) -> Iterator[Finding]:
                 f"but rated_power_kw is {rated_kw:g}; points that agree would do",
             )  # fmt: skip
     order = ("idle_rpm", "peak_rpm", "rated_rpm", "no_load_rpm")
-    for low, high in zip(order[:-1], order[1:], strict=True):
+    for low, high in pairwise(order):
         if not n[f"engine.{low}"] < n[f"engine.{high}"]:
             yield Finding(
                 f"engine.{low}", f"= {n[f'engine.{low}']:g} is not below engine.{high} = "

@@ -157,7 +157,9 @@ def _tyre(sheet: Sheet, name: str, axle: Axle) -> None:
         f"{name}.lateral_ratio", 0.65 if name == "front" else 0.85, "assumed",
         "0.65 in front and 0.85 behind, as of a tractor whose slides were published",
     )  # fmt: skip
-    sheet.take(f"{name}.shear_damping_s", 0.114 * diameter_m, "assumed", "0.114 s per m of diameter")
+    sheet.take(
+        f"{name}.shear_damping_s", 0.114 * diameter_m, "assumed", "0.114 s per m of diameter"
+    )
 
 
 def _heights(sheet: Sheet, mass_kg: float, wheelbase_m: float) -> None:
@@ -179,10 +181,10 @@ def _heights(sheet: Sheet, mass_kg: float, wheelbase_m: float) -> None:
         "length_m", wheelbase_m + 0.5 * n["front.diameter_m"] + 0.9 * 0.5 * n["rear.diameter_m"]
         + 0.3 * wheelbase_m, "assumed", "wheelbase, wheels, and the front weights",
     )  # fmt: skip
+    tyres = 3.3 if sheet.given("rear.duals") else 1.0  # the outer ones stand 1.15 widths outside
     sheet.take(
-        "width_m", n["rear.track_m"] + n["rear.width_m"] * (2.2 if sheet.given("rear.duals") else 1),
-        "derived", "track and tyre",
-    )  # fmt: skip
+        "width_m", n["rear.track_m"] + tyres * n["rear.width_m"], "derived", "track and tyres"
+    )
     sheet.take("height_m", 1.62 * n["rear.diameter_m"] + 0.15, "assumed", "1.62 rear diameters")
     sheet.write("front.hub_m", front_m - rear_m, "derived", "height of the hubs over the rear's")
 
@@ -216,9 +218,7 @@ def _engine(sheet: Sheet, machine: Machine) -> None:
         take("engine.pto_power_kw", 0.0, "given", "")
     rule = 1e3 * power_kw / (rated_rpm * RPM)
     torque_nm = take("engine.rated_torque_nm", rule, "derived", "rated power over rated speed")
-    rise = take(
-        "engine.torque_rise", 1.0 if electric else 1.30, "assumed", "1.25 to 1.40 is usual"
-    )
+    rise = take("engine.torque_rise", 1.0 if electric else 1.30, "assumed", "1.25 to 1.40 is usual")
     peak_rpm = take("engine.peak_rpm", 0.66 * rated_rpm, "assumed", "two thirds of rated speed")
     peak_w = max(torque_nm * rated_rpm, rise * torque_nm * peak_rpm) * RPM
     points_w = max((rpm * RPM * t for rpm, t in engine.torque_points), default=0.0)
@@ -298,7 +298,9 @@ def _couplings(sheet: Sheet, machine: Machine, mass_kg: float) -> None:
     take("drive.clutch_nm", 1.5 * n["engine.torque_rise"] * n["engine.rated_torque_nm"], "assumed",
          "1.5 times the peak torque")  # fmt: skip
     take("drive.lock_nm", 0.9 * weight_n * rear_m, "assumed", "more than both tyres hand on")
-    take("drive.front_nm", 0.46 * weight_n * front_m, "assumed", "more than the front tyres hand on")
+    take(
+        "drive.front_nm", 0.46 * weight_n * front_m, "assumed", "more than the front tyres hand on"
+    )
     ratio = rear_m / front_m
     lead = sheet.given("drive.front_lead")
     given = sheet.given("drive.front_ratio")

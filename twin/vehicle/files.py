@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import TypeVar
 
 from twin.errors import BadInput, TwinError, UnknownName
+from twin.io.plain import Plain
 from twin.vehicle.check import refuse_inconsistent
 from twin.vehicle.implement import NONE, Implement
 from twin.vehicle.machine import Machine
@@ -72,17 +74,19 @@ def mjcf_path(part: Machine | Implement) -> Path | None:
 
 @cache
 def _shipped(folder: str) -> dict[str, Path]:
-    """Name -> file: in the folder of the kind, and where a hand-made MJCF has a folder of its own."""
-    models = models_folder()
-    found = {p.stem: p for p in sorted((models / folder).glob("*.toml"))}
-    return found
+    """Name -> file, of those in a folder of the models."""
+    return {p.stem: p for p in sorted((models_folder() / folder).glob("*.toml"))}
 
 
-@cache
+_READ: dict[Path, Plain] = {}
+"""What was read of the files that are shipped."""
+
+
 def _read_shipped(kind: type[T], path: Path) -> T:
-    from dataclasses import replace
-
-    return replace(read(kind, path), folder="")
+    if path not in _READ:
+        _READ[path] = replace(read(kind, path), folder="")
+    found: T = _READ[path]
+    return found
 
 
 def _found(what: str, spec: str, folder: str, kind: type[T]) -> T:

@@ -144,11 +144,11 @@ class Implement:
         for name in ("width_m", "bodies", "mass_kg"):
             if getattr(self, name) is None:
                 raise BadInput(f"{name} is missing; the data sheet's would do")
-        assert self.width_m is not None and self.bodies is not None
-        one_m = self.width_m / self.bodies
+        width_m, bodies = self.width_m or 0.0, self.bodies or 1
+        one_m = width_m / bodies
         if not kind.narrowest_m <= one_m <= kind.widest_m:
             raise OutOfRange(
                 "width_m", f"{self.width_m:g}",
-                f"[{kind.narrowest_m * self.bodies:.3g}, {kind.widest_m * self.bodies:.3g}], what "
+                f"[{kind.narrowest_m * bodies:.3g}, {kind.widest_m * bodies:.3g}], what "
                 f"bodies = {self.bodies} of kind {self.kind} work",
             )  # fmt: skip

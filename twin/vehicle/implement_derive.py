@@ -20,19 +20,19 @@ FAILS_M = 0.0113
 def derive_implement(part: Implement) -> Derived:
     """The numbers of an implement without a hand-made MJCF."""
     sheet, kind = Sheet(part), KINDS[part.kind]
-    assert part.bodies is not None and part.width_m is not None
     mass_kg = sheet.take("mass_kg", 0.0, "given", "")
     width_m = sheet.take("width_m", 0.0, "given", "")
-    bodies = sheet.write("bodies", part.bodies, *sheet.origin("bodies"))
+    count = part.bodies or 1
+    bodies = sheet.write("bodies", count, *sheet.origin("bodies"))
     one_m = sheet.write("body_width_m", width_m / bodies, "derived", "width over bodies")
     depths = part.depth_m or kind.depth_m
     grade, said = ("assumed", "usual of the kind") if part.depth_m is None else (
         sheet.origin("depth_m"))  # fmt: skip
     sheet.write("depth_m.least", depths[0], grade, said)
     sheet.write("depth_m.most", depths[1], grade, said)
-    rows = part.rows or min(kind.rows, part.bodies)
+    rows = part.rows or min(kind.rows, count)
     sheet.write("rows", rows, "assumed" if part.rows is None else "given", "usual of the kind")
-    steps = (part.bodies if kind.furrow else rows) - 1
+    steps = (count if kind.furrow else rows) - 1
     size = min(1.0, max(0.5, one_m / 0.35)) if kind.furrow else 1.0
     length_m = sheet.take(
         "length_m", 0.65 + size * kind.spacing_m * steps, "assumed",

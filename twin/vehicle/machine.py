@@ -286,12 +286,11 @@ def _check_needed(machine: Machine) -> None:
     if engine.kind == "electric":
         if engine.max_power_kw is None and engine.rated_power_kw is None:
             raise BadInput("engine.rated_power_kw is missing; the motor's would do")
-    elif engine.rated_power_kw is None and engine.pto_power_kw is None:
-        if not engine.torque_points:
-            raise BadInput(
-                "engine.rated_power_kw is missing; it, engine.pto_power_kw or engine.torque_points "
-                "would do"
-            )
+    elif engine.rated_power_kw is None and not (engine.pto_power_kw or engine.torque_points):
+        raise BadInput(
+            "engine.rated_power_kw is missing; it, engine.pto_power_kw or engine.torque_points "
+            "would do"
+        )
     if engine.rated_rpm is None:
         raise BadInput("engine.rated_rpm is missing; the data sheet's would do")
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from xml.etree import ElementTree
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from xml.etree import ElementTree
 
 from twin.errors import BadInput
 from twin.plugins.lookup import line
-from twin.vehicle.derive import USUAL_KMH, RPM, Derived, derive, ratios
+from twin.vehicle.derive import RPM, USUAL_KMH, Derived, derive, ratios
 from twin.vehicle.files import mjcf_path
 from twin.vehicle.implement import NONE, Implement
 from twin.vehicle.implement_derive import derive_implement
@@ -90,9 +89,7 @@ def _facts(machine: Machine, path: Path | None, stamp: int) -> Facts:
         linkage = "lower_links" in bodies
         for name in NEEDED:
             if name not in numbers:
-                raise BadInput(
-                    f"{path} has no <numeric name='{name}'>; one as in models/taishan_1404a would do"
-                )
+                raise BadInput(f"{path} has no <numeric name='{name}'>; see models/taishan_1404a")
     gears, engine = machine.transmission, machine.engine
     rim_m, rated_rpm = numbers["tyre_rear.free_rolling_radius_m"], numbers["engine.rated_rpm"]
     if path is None:

@@ -52,9 +52,7 @@ def from_table(kind: type[T], table: Mapping[str, Plain], *, folder: str) -> T:
     return from_plain(kind, plain | {"sources": sources, "folder": folder})
 
 
-def _fields(
-    kind: type, table: Plain, path: str, sources: list[dict[str, str]]
-) -> dict[str, Plain]:
+def _fields(kind: type, table: Plain, path: str, sources: list[dict[str, str]]) -> dict[str, Plain]:
     """The table's values by their fields, checked."""
     if not isinstance(table, Mapping):
         raise BadInput(f"{path} = {table!r} is no table; [{path}] with its fields would do")
@@ -71,14 +69,15 @@ def _fields(
 
 def _value(hint: object, value: Plain, path: str, sources: list[dict[str, str]]) -> Plain:
     options = [h for h in _members(hint) if h is not type(None)]
-    (wanted,) = options
+    wanted: Plain = options[0]
     if dataclasses.is_dataclass(wanted) and isinstance(wanted, type):
         return _fields(wanted, value, path, sources)
-    inner = typing.get_args(wanted)
-    if typing.get_origin(wanted) is tuple and dataclasses.is_dataclass(inner[0]):
+    inner, origin = typing.get_args(wanted), _origin(wanted)
+    if origin is tuple and dataclasses.is_dataclass(inner[0]):
         if not isinstance(value, list):
             raise BadInput(f"{path} = {_said(value)} is no list; [[{path}]] would do")
-        return [_fields(inner[0], v, f"{path}.{i}", sources) for i, v in enumerate(value)]
+        of: Plain = inner[0]
+        return [_fields(of, v, f"{path}.{i}", sources) for i, v in enumerate(value)]
     if isinstance(value, Mapping):
         value = _unwrapped(value, path, sources)
     _check(wanted, value, path)
@@ -101,14 +100,16 @@ def _unwrapped(value: Mapping[str, Plain], path: str, sources: list[dict[str, st
 
 def _check(wanted: Plain, value: Plain, path: str) -> None:
     """Refuse a value of another kind than the field's."""
-    if typing.get_origin(wanted) is tuple:
+    if _origin(wanted) is tuple:
         inner = typing.get_args(wanted)
         if not isinstance(value, list):
             raise BadInput(f"{path} = {_said(value)} is no list of values")
         if len(inner) == 2 and inner[1] is Ellipsis:
             inner = (inner[0],) * len(value)
         if len(value) != len(inner):
-            raise BadInput(f"{path} = {_said(value)} has {len(value)} values; {len(inner)} would do")
+            raise BadInput(
+                f"{path} = {_said(value)} has {len(value)} values; {len(inner)} would do"
+            )
         for i, (kind, each) in enumerate(zip(inner, value, strict=True)):
             _check(kind, each, f"{path}.{i}")
         return
@@ -119,6 +120,10 @@ def _check(wanted: Plain, value: Plain, path: str) -> None:
         raise BadInput(f"{path} = {_said(value)} is not {WORDS[wanted]}")
     if wanted is float and not math.isfinite(value):
         raise BadInput(f"{path} = {value} is not finite; a number would do")
+
+
+def _origin(hint: Plain) -> Plain:
+    return typing.get_origin(hint)
 
 
 def _members(hint: object) -> tuple[object, ...]:
@@ -134,6 +139,6 @@ def _said(value: Plain) -> str:
 def _near(key: str, names: list[str]) -> str:
     """What the field is probably called: the same quantity in its own unit, or similar letters."""
     stem = key.rpartition("_")[0] or key
-    same = [n for n in names if n == stem or n.startswith(stem + "_") or n.startswith(key + "_")]
+    same = [n for n in names if n == stem or n.startswith((stem + "_", key + "_"))]
     near = same or difflib.get_close_matches(key, names, n=1)
     return f"did you mean {near[0]}?" if near else f"there are: {', '.join(names)}"

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from twin.errors import BadInput
 
 INCH_M = 0.0254
-INCHES = re.compile(r"(?P<width>\d{1,2}(?:\.\d{1,2})?)\s*(?P<build>R|-|x|X)\s*(?P<rim>\d{2}(?:\.5)?)")
+INCHES = re.compile(
+    r"(?P<width>\d{1,2}(?:\.\d{1,2})?)\s*(?P<build>R|-|x|X)\s*(?P<rim>\d{2}(?:\.5)?)"
+)
 METRIC = re.compile(
     r"(?P<width>\d{3,4})/(?P<aspect>\d{2,3})\s*(?P<build>R|-|B)\s*(?P<rim>\d{2}(?:\.5)?)"
 )
