@@ -10,13 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 from twin.env import observations, reward
 from twin.env.episodes import Episodes, Some, asked
 from twin.env.grounds import ROLLED, ground_shapes
-from twin.env.torque_fleet import TorqueFleet, motors
+from twin.env.torque_fleet import USUAL_IMPLEMENT, TorqueFleet, motors
 from twin.scenario import Course, Drive, Scenario, Soil
 from twin.sensors import Imu, Sensors
 from twin.simulation.build import build
+from twin.vehicle import files
 
 Array = NDArray[np.float64]
 
+USUAL_MACHINE = "electric_tractor"
 KNOWN = (
     "slip", "slip_rl", "slip_rr", "speed_mps", "v_y_rear_mps", "draft_n", "traction_efficiency",
 )  # fmt: skip
@@ -35,19 +37,21 @@ class Pulling(Episodes):
         slip_target: float,
         nsim: int = 1,
         nthread: int = 1,
+        machine: str = USUAL_MACHINE,
+        implement: str = USUAL_IMPLEMENT,
     ) -> None:
         wanted = asked(observation, estimator, slip_target)
         self.slip_target = float(slip_target)
         scenario = Scenario(
             name="WheelSlip-v0",
-            machine="electric_tractor",
+            machine=machine,
             soil=Soil(preset="dry"),
-            drive=Drive(gear_ratio=50.0, engine_set_rpm=2400.0, differential_lock=False),
+            drive=Drive(differential_lock=False),
             course=Course(approach_m=0.0),
             sensors=Sensors(imu=Imu(vibration_rms_mps2=0.05), depth=None, machine=None),
         )
         super().__init__(
-            TorqueFleet(motors(build(scenario)), nsim, nthread),
+            TorqueFleet(motors(build(scenario)), nsim, nthread, files.implement(implement)),
             ground_shapes(0.25, ROLLED),
             observations.TORQUE_MODES[observation],
             wanted,

@@ -93,6 +93,11 @@ class Scenario:
         part = self.implement_file
         if part is None or self.plough is None:
             return
+        if part.hitch != "three-point":
+            raise BadInput(
+                f"implement = {part.name} has hitch = {part.hitch}, which only WheelSlip-v0 pulls; "
+                "one with hitch = three-point would do"
+            )
         low, high = part.depths_m
         if not low <= self.plough.depth_m <= high:
             raise OutOfRange(

@@ -83,7 +83,7 @@ class Implement:
     """Bars on which the tools stand, one behind the other."""
     mass_kg: Annotated[float | None, Range(5, 10000)] = None
     hitch: str = "three-point"
-    """three-point, or drawbar."""
+    """three-point; or drawbar, which only pulls at one point: what is pulled so carries itself."""
     depth_m: Point | None = None
     """Least and greatest working depth."""
     length_m: Annotated[float | None, Range(0.3, 10)] = None
@@ -137,8 +137,6 @@ class Implement:
                 "depth_m", f"{self.depth_m[0]:g}, {self.depth_m[1]:g}",
                 "two rising depths in [0.01, 0.8]",
             )  # fmt: skip
-        if self.hitch == "drawbar":
-            raise BadInput("hitch = drawbar is not built yet; three-point would do")
         if self.mjcf is not None:
             return
         for name in ("width_m", "bodies", "mass_kg"):
