@@ -15,12 +15,11 @@ from twin.env.observations import (
 )  # fmt: skip
 from twin.env.reward import PULLING_WEIGHTS
 from twin.env.torque_fleet import Pulled, draft_n
+from twin.env.wheel_slip import WheelSlipEnv
+from twin.errors import BadInput, UnknownName
 from twin.vehicle import files
 
 PULLED = Pulled.of(files.implement("cultivator_light"))
-from twin.env.wheel_slip import WheelSlipEnv
-from twin.errors import BadInput, UnknownName
-
 LEVEL = {"field.cross_slope_deg": 0.0, "field.grade_deg": 0.0, "field.patches": ()}
 DRY = {"soil.preset": "dry", "soil.friction": 0.88, "soil.cone_index_kpa": 1200.0}
 
