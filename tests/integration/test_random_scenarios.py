@@ -70,7 +70,8 @@ RANGES = {
         "passes": (1, 100), "calibration_m": None,
     },
     Scenario: {
-        "machine": ("taishan_1404a", "electric_tractor"), "soil": Soil, "field": Field, "plough": Plough,
+        "machine": ("taishan_1404a", "electric_tractor"), "soil": Soil, "field": Field,
+        "plough": Plough,
         "drive": Drive, "course": Course, "timestep_s": STEPS_S, "seed": None,
         "name": None, "about": None, "sensors": None,  # the machine knows nothing of these
         "implement": None,  # drawn with the machine, below

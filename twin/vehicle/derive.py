@@ -249,6 +249,11 @@ def _engine(sheet: Sheet, machine: Machine) -> None:
          "half the power of a motor; a diesel takes nothing back")  # fmt: skip
     take("engine.fuel_l_per_kwh", 0.0 if electric else 0.316, "published",
          "ASABE D497.7 at rated power: 0.22 + 0.096 L/kWh")  # fmt: skip
+    if engine.battery_kwh is not None:
+        take("engine.battery_kwh", 0.0, "given", "")
+        sheet.write(
+            "engine.battery_h", engine.battery_kwh / power_kw, "derived", "its energy at rated power"
+        )
     rule = 0.8 * no_load if electric else max(0.694 * no_load, 1.2 * idle)
     take("engine.usual_rpm", rule, "assumed", "0.694 of the no-load speed, 0.8 of a motor's")
 

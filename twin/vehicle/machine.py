@@ -113,7 +113,7 @@ class Engine:
     wheel_torque_nm: Annotated[float | None, Range(0.1, 1e5)] = None
     """Torque limit of an electric motor on each rear wheel; None where there are none."""
     battery_kwh: Annotated[float | None, Range(0.01, 2000)] = None
-    """Energy of the battery."""
+    """Energy of the battery; no run drains it, `twin machine show` says how long it lasts."""
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
