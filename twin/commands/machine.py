@@ -51,7 +51,8 @@ def main(args: Sequence[str]) -> int:
     if not args or args[0] in ("-h", "--help"):
         print("twin machine show NAME|FILE    every number, its grade and its source")
         print("twin machine check FILE        what is inconsistent")
-        print("twin machine export NAME|FILE OUT.xml    as MJCF")
+        print("twin machine export NAME|FILE OUT.xml [--implement NAME|FILE]    as MJCF")
+        print("twin machine ACTION --help describes an action, --json among them.")
         if args:
             return 0
         raise BadInput(f"twin machine needs to know what to do: {', '.join(ACTIONS)}")

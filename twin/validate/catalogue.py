@@ -169,7 +169,8 @@ LIMIT = (
     "one soil with D497 cannot meet all cells: its draft is in proportion to the depth, so three "
     "times from 10 to 30 cm, where the trial's slip grows by 14 points; its 20 kN at 30 cm are "
     "more than two wheels of a tractor of 25 kN hold, and at 6.75 km/h it asks 45 kW at the "
-    "drawbar of an engine of 50 kW. A local regression has C over A six times D497's (Iran, clay loam): draft "
+    "drawbar of an engine of 50 kW. A local regression has C over A six times D497's (Iran, clay "
+    "loam): draft "
     "that grows more with speed and less with depth meets more of them"
 )
 

@@ -138,10 +138,11 @@ def _tyres(machine: Machine, n: Derived) -> Iterator[Finding]:
         section = 0.5 * (diameter - n[f"{name}.rim_m"])
         deflection = n[f"{name}.static_deflection_m"]
         if deflection > 0.45 * section:
+            tyre = axle.tyre or f"{diameter:g} m"
             yield Finding(
-                f"{name}.stiffness_npm", f"= {n[f'{name}.stiffness_npm']:.3g} under "
-                f"{n[f'{name}.nominal_load_n']:.4g} N presses the tyre in by {deflection:.3g} m of "
-                f"its {section:.3g} m; a larger tyre, a higher pressure_kpa or duals would do",
+                f"{name}.tyre", f"= {tyre} is pressed in by {deflection:.3g} m of its "
+                f"{section:.3g} m under {n[f'{name}.nominal_load_n']:.4g} N; a larger tyre, a "
+                "higher pressure_kpa or duals would do",
             )  # fmt: skip
         elif deflection > 0.30 * section:
             yield Finding(

@@ -252,7 +252,10 @@ def _engine(sheet: Sheet, machine: Machine) -> None:
     if engine.battery_kwh is not None:
         take("engine.battery_kwh", 0.0, "given", "")
         sheet.write(
-            "engine.battery_h", engine.battery_kwh / power_kw, "derived", "its energy at rated power"
+            "engine.battery_h",
+            engine.battery_kwh / power_kw,
+            "derived",
+            "its energy at rated power",
         )
     rule = 0.8 * no_load if electric else max(0.694 * no_load, 1.2 * idle)
     take("engine.usual_rpm", rule, "assumed", "0.694 of the no-load speed, 0.8 of a motor's")

@@ -64,6 +64,10 @@ def _fields(kind: type, table: Plain, path: str, sources: list[dict[str, str]]) 
         if key not in names:
             raise BadInput(f"{here} = {_said(value)} is no field; {_near(key, names)}")
         out[key] = _value(hints[key], value, here, sources)
+    for field in dataclasses.fields(kind):
+        needed = field.default is field.default_factory is dataclasses.MISSING
+        if needed and field.name not in out:
+            raise BadInput(f"{path}.{field.name} is missing; a value would do")
     return out
 
 

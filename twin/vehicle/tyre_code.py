@@ -9,10 +9,10 @@ from twin.errors import BadInput
 
 INCH_M = 0.0254
 INCHES = re.compile(
-    r"(?P<width>\d{1,2}(?:\.\d{1,2})?)\s*(?P<build>R|-|x|X)\s*(?P<rim>\d{2}(?:\.5)?)"
+    r"(?P<width>\d{1,2}(?:\.\d{1,2})?)\s*(?P<build>R|-|x|X)\s*(?P<rim>\d{2}(?:\.5)?)(?:\s.*)?$"
 )
 METRIC = re.compile(
-    r"(?P<width>\d{3,4})/(?P<aspect>\d{2,3})\s*(?P<build>R|-|B)\s*(?P<rim>\d{2}(?:\.5)?)"
+    r"(?P<width>\d{3,4})/(?P<aspect>\d{2,3})\s*(?P<build>R|-|B)\s*(?P<rim>\d{2}(?:\.5)?)(?:\s.*)?$"
 )
 PROFILE = 0.85
 """Section height over width of sizes as 18.4-38: of its 1.755 m and of the 1.31 m of 14.9-26."""
