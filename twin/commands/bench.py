@@ -19,6 +19,9 @@ RANKS = {"published": 0, "reference": 2, "low": 3, "high": 3, "unit": 1, "passed
 class Bench(Output):
     """Measure speed and memory on this computer and compare them with the promised values."""
 
+    machine: str | None = None
+    """Measure the physics step of this machine, a name or a file, and nothing else."""
+
 
 def main(args: Sequence[str]) -> int:
     """Measure, print, and write the rows where asked."""
@@ -27,7 +30,7 @@ def main(args: Sequence[str]) -> int:
     from twin.bench import bench
 
     with waiting("measuring", shown=options.talks):
-        measured = bench.rows()
+        measured = bench.rows() if options.machine is None else bench.step_rows(options.machine)
     if options.talks:
         print_rows(measured)
     deliver(measured, options.json)

@@ -19,7 +19,6 @@ from twin.commands.parse import named_fields, parse
 from twin.commands.terminal import say, waiting
 from twin.errors import BadInput, UnknownName, check_range
 from twin.io.plain import Plain
-from twin.rig.drawbar import HITCH_M, STEP_N
 from twin.rig.gears import SPEEDS_KMH
 from twin.rig.park import PARKED_S
 from twin.rig.tyre import Tyre
@@ -74,10 +73,10 @@ class Drawbar(Told):
     machine: str = USUAL
     """The tractor: a name of `twin list`, a TOML file, or a MJCF."""
     soil: Soil = dataclasses.field(default_factory=Soil)
-    hitch_m: float = HITCH_M
-    """Height of the pull's line of action above the ground [m]."""
-    step_n: float = STEP_N
-    """Step of the pull from one load to the next [N]."""
+    hitch_m: float | None = None
+    """Height of the pull's line of action above the ground [m]; None for 0.45, or the axle's."""
+    step_n: float | None = None
+    """Step of the pull from one load to the next [N]; None for 500, or 1 % of the weight."""
     most_slip: float = 0.40
     """Slip at which the test ends [-]."""
     all_wheel_drive: bool = False
@@ -215,7 +214,7 @@ def _gears(options: Drawbar) -> Measured:
     )  # fmt: skip
     columns = found.columns()
     shown = {name: columns[name] for name in SHOWN_OF_GEARS}
-    title = f"Drawbar rig by gear: {_soil(options.soil)}, pull at {options.hitch_m:g} m"
+    title = f"Drawbar rig by gear: {_soil(options.soil)}{_height(options)}"
     return Measured(
         {"drawbar-gears.csv": columns},
         [shown],
@@ -249,7 +248,7 @@ def _pulled(options: Drawbar) -> Measured:
     )
     ours = np.interp(slips, curve.slip, curve.pull_n)
     table = {"slip": slips, "pull_n": ours, "expected_n": expected, "ratio": ours / expected}
-    title = f"Drawbar rig: {_soil(options.soil)}, pull at {options.hitch_m:g} m"
+    title = f"Drawbar rig: {_soil(options.soil)}{_height(options)}"
     return Measured(
         {"drawbar.csv": curve.columns(), "drawbar-expected.csv": table},
         [table],
@@ -356,6 +355,10 @@ def _some(options: Any, *names: str) -> None:
 def _warn(sentences: Sequence[str]) -> None:
     for sentence in sentences:
         say(f"beyond the law's range: {sentence}", stderr=True)
+
+
+def _height(options: Drawbar) -> str:
+    return "" if options.hitch_m is None else f", pull at {options.hitch_m:g} m"
 
 
 def _soil(soil: Soil) -> str:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from twin.errors import BadInput, check_range
 from twin.machine.fuel import fuel_lph
 from twin.machine.plough_setting import GRAVITY_MPS2
-from twin.rig.drawbar import HITCH_M, drawbar
+from twin.rig.drawbar import drawbar
 from twin.rig.table import Measured
 from twin.rig.tractor import tractor
 from twin.scenario import Drive, Soil
@@ -49,7 +49,7 @@ def gears(
     soil: Soil,
     *,
     speeds_kmh: Sequence[float] = SPEEDS_KMH,
-    hitch_m: float = HITCH_M,
+    hitch_m: float | None = None,
     machine: str = files.USUAL,
     all_wheel_drive: bool = False,
 ) -> Gears:
@@ -74,7 +74,7 @@ def gears(
 
 
 def _best(
-    soil: Soil, gear_kmh: float, hitch_m: float, name: str, all_wheel_drive: bool
+    soil: Soil, gear_kmh: float, hitch_m: float | None, name: str, all_wheel_drive: bool
 ) -> dict[str, float]:
     check_range("speeds_kmh", gear_kmh, 3.0, 30.0)
     machine = tractor("rig-gears", soil, machine=name)

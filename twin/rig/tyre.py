@@ -6,6 +6,7 @@ import dataclasses
 from dataclasses import dataclass
 
 from twin.errors import BadInput, UnknownName, check_range
+from twin.machine.parameters import BUILD
 from twin.physics.block import Wheel
 from twin.vehicle import files
 from twin.vehicle.numerics import machine_facts
@@ -80,4 +81,5 @@ class Tyre:
 def machine_tyre(machine: str, axle: str) -> dict[Wheel, float]:
     """The sizes a machine's model gives for the tyre of an axle."""
     numbers = machine_facts(files.machine(machine)).numbers
-    return {f: numbers[f"tyre_{axle}.{f.name.lower()}"] for f in SIZES}
+    sizes = {f: numbers[f"tyre_{axle}.{f.name.lower()}"] for f in SIZES}
+    return sizes | {f: numbers.get(f"tyre_{axle}.{f.name.lower()}", 0.0) for f in BUILD}

@@ -71,6 +71,13 @@ TASKS: tuple[tuple[str, Callable[[], list[Check]]], ...] = (
 )
 
 
+def of_machine(machine: str, *, jobs: int = 1) -> dict[str, list[Check]]:
+    """What mechanics asks of any machine; by layer. Its loads, pull, crab angle and parking."""
+    tasks = (analytic.static_loads, analytic.drawbar_pull, analytic.crab_angle, analytic.parking)
+    found = many([delayed(task)(machine) for task in tasks], jobs)
+    return {"analytic": [check for of_task in found for check in of_task]}
+
+
 def checks(*, jobs: int = 1, quick: bool = False) -> dict[str, list[Check]]:
     """Run every check; by layer, in the order of the page.
 
