@@ -120,6 +120,7 @@ BASES = {
 WITNESSES: dict[str, dict[str, object]] = {
     "rolling": {
         "machine": "electric_tractor", "plough": Plough(), "timestep_s": 0.001, "seed": 1,
+        "zero_slip": "field-pull",
         "field.cross_slope_deg": 5.0, "field.grade_deg": 3.0, "field.roughness_class": "D",
         "field.height_map": "heights.npy", "field.soil_map": "soils.npy", "field.other_share": 0.5,
         "field.patches": (Patch(start_m=0.5, length_m=1.0, friction_factor=0.5),),

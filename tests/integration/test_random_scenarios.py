@@ -75,6 +75,7 @@ RANGES = {
         "drive": Drive, "course": Course, "timestep_s": STEPS_S, "seed": None,
         "name": None, "about": None, "sensors": None,  # the machine knows nothing of these
         "implement": None,  # drawn with the machine, below
+        "zero_slip": ("law", "hard-torque", "hard-pull", "field-torque", "field-pull"),
         "machine_numbers": None, "implement_numbers": None,  # kept of files
     },
 }  # fmt: skip

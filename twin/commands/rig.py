@@ -24,6 +24,7 @@ from twin.rig.park import PARKED_S
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import SPEED_MPS
 from twin.scenario import Drive, Scenario, Soil
+from twin.streams import ZERO_SLIPS
 from twin.vehicle.files import USUAL
 
 if TYPE_CHECKING:
@@ -143,6 +144,8 @@ def main(args: Sequence[str]) -> int:
     if talks:
         for table in found.shown:
             print_columns(table)
+        if any("slip" in table for table in found.shown):
+            say(f"slip is zero at: {ZERO_SLIPS['law']}", style="dim")
         say(", ".join(str(f) for f in files))
     return 0
 

@@ -11,13 +11,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from twin.errors import BadInput, OutOfRange
+from twin.errors import BadInput, OutOfRange, UnknownName
 from twin.scenario.course import Course, Drive
 from twin.scenario.field import Field, check_patches
 from twin.scenario.gear import Gear, gear
 from twin.scenario.plough import Plough
 from twin.scenario.soil import Soil
 from twin.sensors import Sensors
+from twin.streams import ZERO_SLIPS
 from twin.vehicle import Implement, Machine, files
 from twin.vehicle.implement import NONE
 from twin.vehicle.numerics import Facts, machine_facts
@@ -50,6 +51,9 @@ class Scenario:
     sensors: Sensors = dataclasses.field(default_factory=Sensors)
     timestep_s: float = 0.002
     """Time step of the physics [s]."""
+    zero_slip: str = "law"
+    """Where slip is zero (ASABE S296): hard-torque, hard-pull, field-torque or field-pull; law for
+    the soil law's own zero. The truth's slip and the radii that estimators are told follow it."""
     seed: int = 0
     """Seed of everything random: ground, sensors, mounting errors."""
     machine_numbers: Machine | None = None
@@ -66,6 +70,8 @@ class Scenario:
                 "with a plough, such as plough-25cm, would do"
             )
         self._check_machine()
+        if self.zero_slip not in ZERO_SLIPS or self.zero_slip == "unknown":
+            raise UnknownName("zero_slip", self.zero_slip, set(ZERO_SLIPS) - {"unknown"})
         if self.timestep_s not in STEPS_S:
             raise OutOfRange("timestep_s", self.timestep_s, f"the choices {STEPS_S}")
         if not 0 <= self.seed < 2**31:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from twin.io.plain import Plain
+from twin.streams import ZERO_SLIPS
 
 COVERAGE = "within ±2 sd [%]"
 """What the share of errors within two reported standard deviations is called everywhere."""
@@ -37,6 +38,12 @@ def score_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
     return rows
 
 
+def zero_line(scores: Mapping[str, Plain]) -> str | None:
+    """Where the slip of a run or a log is zero, as a line of text; None where there is no slip."""
+    name = scores.get("zero_slip")
+    return None if name is None else f"slip is zero at: {ZERO_SLIPS.get(name, name)}"
+
+
 def end_lines(scores: Mapping[str, Plain]) -> list[str]:
     """Text lines on how a run ended, its outcome in capitals; empty if it ended as planned."""
     end, lines = scores.get("end"), []
@@ -54,6 +61,9 @@ def slip_lines(scores: Mapping[str, Plain]) -> list[str]:
     One line per estimator, and more if the log has a rule for steady work.
     """
     lines = [f"{n}: {_spread(s)}, while driving" for n, s in scores.get("slip", {}).items()]
+    zero = zero_line(scores)
+    if lines and zero is not None:
+        lines.append(zero)
     for name, slip in scores.get("steady_slip", {}).items():
         lines.append(f"{name}: {_spread(slip)}, in steady work")
     steady = scores.get("steady")

@@ -15,10 +15,12 @@ from numpy.typing import NDArray
 from twin.compute import quaternion
 from twin.machine.build import Machine
 from twin.machine.fuel import fuel_lph
+from twin.machine.zero_slip import radius_factors
 from twin.physics import block
 from twin.physics.block import MachineSlot, PowerSlot, WheelSlot
 from twin.trajectory.end import End
 from twin.trajectory.trajectory import Trajectory
+from twin.truth.motion import slip_ratio
 
 Array = NDArray[np.float64]
 Record: TypeAlias = dict[str, Array]
@@ -78,6 +80,8 @@ class Recorder:
         self.normal, self.heights = machine.world_from_ground[:, 2], machine.maps.get("heights")
         self.plough = machine.scenario.plough is not None
         self.numbers = machine.numbers
+        self.own_zero = machine.scenario.zero_slip == "law"
+        self.factors = radius_factors(machine.scenario, model.numeric_data[-block.SIZE :])
         self.sensors = {
             model.sensor(i).name: slice(adr, adr + dim)
             for i, (adr, dim) in enumerate(
@@ -140,6 +144,14 @@ class Recorder:
         machine = slots[:, block.MACHINE_SLOTS :]
         powers = slots[:, block.POWER_SLOTS :]
         columns |= {name: wheels[:, :, slot] for name, slot in WHEEL_COLUMNS.items()}
+        if not self.own_zero:
+            radius = columns["rolling_radius_m"] * self.factors
+            rim_mps = columns["spin_radps"] * radius
+            own = {
+                "rolling_radius_m": radius,
+                "slip": slip_ratio(rim_mps, columns["wheel_speed_x_mps"]),
+            }
+            columns |= own
         columns |= {name: machine[:, slot] for name, slot in MACHINE_COLUMNS.items()}
         columns |= {name: powers[:, slot] for name, slot in POWER_COLUMNS.items()}
         engine_radps = columns["engine_radps"]
