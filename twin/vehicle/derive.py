@@ -193,11 +193,16 @@ def _engine(sheet: Sheet, machine: Machine) -> None:
     engine, take = machine.engine, sheet.take
     electric = engine.kind == "electric"
     rated_rpm = take("engine.rated_rpm", 0.0, "given", "")
-    eta = take(
-        "engine.pto_efficiency", 1.0 if electric else 0.90, "assumed",
-        "0.90 as in ASABE D497, recalled; .86 to .92 of single tractors",
+    power_kw, torque_nm, pto_kw = (
+        engine.rated_power_kw, engine.rated_torque_nm, engine.pto_power_kw
     )  # fmt: skip
-    power_kw, torque_nm = engine.rated_power_kw, engine.rated_torque_nm
+    if power_kw is not None and pto_kw is not None:
+        eta = take("engine.pto_efficiency", pto_kw / power_kw, "derived", "take-off over crank")
+    else:
+        eta = take(
+            "engine.pto_efficiency", 1.0 if electric else 0.90, "assumed",
+            "0.90 as in ASABE D497, recalled; .86 to .92 of single tractors",
+        )  # fmt: skip
     if power_kw is None and engine.pto_power_kw is not None:
         power_kw = sheet.write(
             "engine.rated_power_kw", engine.pto_power_kw / eta, "derived",
@@ -234,8 +239,10 @@ def _engine(sheet: Sheet, machine: Machine) -> None:
         "engine.idle_rpm", 0.0 if electric else 0.364 * rated_rpm, "assumed", "0.364 of rated speed"
     )
     sheet.write(
-        "engine.droop_rpm_per_nm", (no_load - rated_rpm) / torque_nm, "derived",
-        "no-load less rated speed, over rated torque",
+        "engine.droop_rpm_per_nm",
+        (0.16 / 3.0 * no_load if electric else no_load - rated_rpm) / torque_nm,
+        "assumed" if electric else "derived",
+        "no-load less rated speed, over rated torque; of a motor's control .053 of no-load speed",
     )  # fmt: skip
     take("engine.parasitic_nm", (0.0125 if electric else 0.056) * torque_nm, "assumed",
          "0.056 of rated torque for fan, pumps and generator; of a motor 0.0125")  # fmt: skip
