@@ -103,7 +103,6 @@ SAME = {
     "rear_axle_height_m",  # checked against the tyre
     "engine.battery_kwh",  # shown
     "engine.kind", "drive.driven", "engine.regeneration_kw", "ballast.name",
-    "drive.differential_lock",
 }  # fmt: skip
 """What changes no number of the model by itself."""
 OTHER = {

@@ -32,8 +32,11 @@ ENDLESS_M = 1e9
 """Where a furrow ends that the run does not leave."""
 MAPS = {"heights": Field.HEIGHTS, "mixture": Field.MIXTURE}
 """Height fields of the model that the laws read, and where the block says how they lie."""
-BUILD = (Wheel.SLIP_RATE_CHANGE, Wheel.ROLLING_MOMENT_CHANGE, Wheel.MOBILITY_RESISTANCE_CHANGE)
-"""What a radial tyre changes of Brixius' law; nothing where a model says nothing."""
+BUILD = (
+    Wheel.SLIP_RATE_CHANGE, Wheel.ROLLING_MOMENT_CHANGE, Wheel.MOBILITY_RESISTANCE_CHANGE,
+    Wheel.PAIRED,
+)  # fmt: skip
+"""What a radial tyre changes of Brixius' law, and pairs; nothing where a model says nothing."""
 CONTROLS = {"clutch": "clutch_pedal", "lock": "differential_lock", "front_drive": "front_drive"}
 
 

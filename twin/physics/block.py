@@ -132,7 +132,8 @@ class Wheel(IntEnum):
     SLIP_RATE_CHANGE = 20  # relative change of k, c0 and m of Brixius' law by the tyre; 0 for bias
     ROLLING_MOMENT_CHANGE = 21
     MOBILITY_RESISTANCE_CHANGE = 22
-    SIZE = 23
+    PAIRED = 23  # 1 for two tyres side by side, whose widths and springs are added above; else 0
+    SIZE = 24
 
 
 class Envelope(IntEnum):

@@ -15,11 +15,13 @@ def mobility(soil: Array, wheel: Array, load_n: float) -> float:
 
         Bn = (CI b d / W) (1 + 5 delta/h) / (1 + 3 b/d)
 
-    CI in kPa, W in kN. Brixius 1987; ASABE D497.
+    CI in kPa, W in kN. Of a pair each tyre has half of the width and half of the load. Brixius
+    1987; ASABE D497.
     """
-    b, d = wheel[Wheel.WIDTH_M], wheel[Wheel.DIAMETER_M]
+    tyres = 1.0 + wheel[Wheel.PAIRED]
+    b, d = wheel[Wheel.WIDTH_M] / tyres, wheel[Wheel.DIAMETER_M]
     bracket = (1.0 + 5.0 * wheel[Wheel.DEFLECTION_RATIO]) / (1.0 + 3.0 * b / d)
-    return soil[Soil.CONE_INDEX_KPA] * 1e3 * b * d / load_n * bracket
+    return soil[Soil.CONE_INDEX_KPA] * 1e3 * b * d / (load_n / tyres) * bracket
 
 
 @inlined_law

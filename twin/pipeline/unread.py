@@ -157,6 +157,8 @@ RULES = (
          ("soil.rock_kn",)),
     Rule("a linkage, which the machine lacks", lambda s: s.facts.linkage,
          ("sensors.machine.lower_link_m",)),
+    Rule("a differential lock, which the machine lacks", lambda s: s.facts.lock,
+         ("drive.differential_lock",)),
     Rule("a diesel, which the machine has not", lambda s: s.facts.diesel,
          ("drive.exhaust_brake",)),
     Rule("sensors.gnss.coloured_sd_m above 0", _of("gnss", lambda g: g.coloured_sd_m > 0.0),

@@ -75,7 +75,7 @@ def stand(
     }
     tyre = {**sizes, **own}
     if radial:  # the soil's numbers are those of a radial tyre already
-        tyre |= dict.fromkeys(BUILD, 0.0)
+        tyre |= dict.fromkeys(BUILD[:3], 0.0)
     model.numeric_data[-block.SIZE :] = _block(model, tyre | tread_part(tyre), soil, radial)
     return model
 

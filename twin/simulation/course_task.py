@@ -29,7 +29,7 @@ def course_task(machine: Machine) -> DriverTask:
         work_rad=machine.work_rad,
         throttle=machine.throttle,
         hold_line=scenario.course.hold_line,
-        differential_lock=scenario.drive.differential_lock,
+        differential_lock=scenario.drive.differential_lock and scenario.facts.lock,
         front_drive=scenario.drive.all_wheel_drive,
     )
     if plough is None or setting is None:

@@ -61,6 +61,8 @@ class Facts:
     numbers: Mapping[str, float]
     """Its numerics."""
     linkage: bool
+    lock: bool
+    """Whether the rear differential can be locked."""
     ratios: tuple[float, ...]
     """Of its gears; none where any ratio may be driven."""
     ratio_range: tuple[float, float] | None
@@ -99,7 +101,7 @@ def _facts(machine: Machine, path: Path | None, stamp: int) -> Facts:
         usual_rpm = engine.usual_rpm or 0.694 * numbers["engine.no_load_rpm"]
         usual_ratio = gears.usual_ratio or usual_rpm * RPM * rim_m / (USUAL_KMH / 3.6)
     return Facts(
-        name=machine.name, numbers=numbers, linkage=linkage,
+        name=machine.name, numbers=numbers, linkage=linkage, lock=machine.drive.differential_lock,
         ratios=ratios(machine, rated_rpm, rim_m), ratio_range=gears.cvt_ratio,
         usual_ratio=usual_ratio, usual_rpm=usual_rpm,
     )  # fmt: skip
@@ -135,8 +137,7 @@ def machine_numerics(machine: Machine, n: Derived) -> dict[str, float]:
         tyre = {name: n[f"{axle}.{path}"] for name, path in TYRE.items()}
         tyre |= {"width_m": pair * width_m, "diameter_m": diameter_m}
         tyre |= {k: pair * n[f"{axle}.{k}"] for k in ("stiffness_npm", "damping_nspm")}
-        if pair > 1.0:
-            tyre["deflection_ratio"] = _of_pair(tyre["deflection_ratio"], width_m / diameter_m)
+        tyre["paired"] = pair - 1.0
         if n[f"{axle}.radial"]:
             tyre |= RADIAL
         out |= {f"tyre_{axle}.{name}": value for name, value in tyre.items()}
@@ -164,16 +165,6 @@ def machine_numerics(machine: Machine, n: Derived) -> dict[str, float]:
         "front_ballast.x_m": n["wheelbase_m"] + 0.5 * n["front.diameter_m"] + 0.15,
         "front_ballast.z_m": -0.10 * n["rear.diameter_m"] / 1.755,
     }
-
-
-def _of_pair(ratio: float, slimness: float) -> float:
-    """Deflection ratio by which a pair of tyres, as one of twice the width, has a single's mobility
-
-    Bn of each, under half the load, is (CI b d / (W / 2)) (1 + 5 delta/h) / (1 + 3 b/d); one tyre
-    of 2 b has the same where 1 + 5 x = (1 + 5 delta/h) (1 + 6 b/d) / (1 + 3 b/d).
-    """
-    factor = (1.0 + 6.0 * slimness) / (1.0 + 3.0 * slimness)
-    return ((1.0 + 5.0 * ratio) * factor - 1.0) / 5.0
 
 
 def _engine(machine: Machine, n: Derived) -> dict[str, float]:
