@@ -23,7 +23,7 @@ import numpy as np
 from numba import carray
 from numba.core.ccallback import CFunc
 
-from twin.compute.compiled import inlined_law, key
+from twin.compute.compiled import key, law
 from twin.errors import BadInput
 from twin.physics.block import Plough, Soil
 from twin.physics.law_table import (
@@ -45,7 +45,7 @@ Three: TypeAlias = tuple[float, float, float]
 Law: TypeAlias = Callable[[Array, Array, float, float, float, float], Three]
 
 
-@inlined_law
+@law
 def implement_forces(
     plough: Array, soil: Array, tool: float, depth_m: float, speed_mps: float, drift_rad: float
 ) -> tuple[float, float, float]:
