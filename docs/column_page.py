@@ -26,7 +26,7 @@ defines slip, sideslip and the frames.
 
 | frame | axes |
 |---|---|
-| world | east, north, up from the start of the course, the planned line |
+| world | east, north, up; the origin is the start of the planned line |
 | body | forward, left, up from the rear-axle centre |
 | ground | the plane of the ground: x is the body's x axis projected on it, y is to the left |
 | - | a number without a direction |
@@ -38,13 +38,13 @@ Angles about an upward axis are positive counter-clockwise, to the left. Numbers
 SENSORS = {
     "gnss": "RTK receiver with two antennas.",
     "imu": "Three gyroscopes and three accelerometers.",
-    "wheels": "Encoders, or speeds from the machine's bus. A single wheel-based vehicle speed "
-    "fills the columns of both driven wheels.",
+    "wheels": "Encoders, or speeds from the machine's bus. If a log has one wheel-based vehicle "
+    "speed only, the columns of both driven wheels hold it.",
     "depth": "Laser and inclinometer on the plough. Depth is `zero_m - laser_m "
     "cos(inclination_rad)`, with `zero_m` from the set-up.",
-    "machine": "The tractor's own bus, and transducers that are read through it.",
-    "camera": "A camera that looks down, with odometry on board. Velocities are NaN where "
-    "`used` is false.",
+    "machine": "The tractor's CAN bus, and transducers that are read through it.",
+    "camera": "A camera that looks down and computes visual odometry itself. Velocities are NaN "
+    "where `used` is false.",
 }
 
 FLAGS = (
@@ -86,8 +86,8 @@ def page() -> str:
         parts += [f"\n### {sensor}\n", f"{SENSORS[sensor]}\n", table(columns)]
     parts += [
         "\n## Truth\n",
-        "`truth.parquet` has a row every 20 ms. A power is positive when it leaves the machine, "
-        "that of the engine when it enters.\n",
+        "`truth.parquet` has a row every 20 ms. Powers count positive out of the machine, "
+        "`power_engine_w` into it.\n",
         table(TRUTH),
         "\n## Estimates\n",
         "An estimator gives `epoch_ns` and the other columns that it knows. The first column of "

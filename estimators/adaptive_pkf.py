@@ -10,6 +10,7 @@ One module, because the search and the filter it drives share one record and one
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -291,7 +292,7 @@ def _update(observer: int, block: int, memory: Record) -> None:
     speed, accel = _measured(observer, block)
     tau = step.age_s[speed]
     if not memory.known[observer, block]:
-        if np.isfinite(step.z[speed]):
+        if math.isfinite(step.z[speed]):
             _begin(observer, block, step.z[speed], noise[6 + 2 * block] + tau * tau, memory)
     else:
         for k in range(STATES):

@@ -38,13 +38,16 @@ def read(
     """
     east, north, up, heading, quality = sample[0], sample[1], sample[2], sample[3], sample[4]
     p, q, r, yaw = turning_at(epoch_ns, memory)
-    if (sample[:4] == memory.gnss).all():
+    repeated = True
+    for i in range(4):
+        repeated = repeated and sample[i] == memory.gnss[i]
+        memory.gnss[i] = sample[i]
+    if repeated:
         signal.flags |= REPEATED
-    memory.gnss[:] = sample[:4]
-    if np.isfinite(heading):
+    if math.isfinite(heading):
         memory.heading_offset_rad = heading - nominal.heading_mount_rad - yaw
         memory.heading_ns = epoch_ns
-    if quality == 0.0 or not (np.isfinite(east) and np.isfinite(north)):
+    if quality == 0.0 or not (math.isfinite(east) and math.isfinite(north)):
         return
     lever = nominal.antenna_m
     turn_x, turn_y = q * lever[2] - r * lever[1], r * lever[0] - p * lever[2]
@@ -69,7 +72,7 @@ def read(
 @compiled
 def _average_grade(v_x: float, up: float, dt: float, memory: Record) -> None:
     """Mean of v_up / v_x, the tangent of the grade, while the machine moves."""
-    if abs(v_x) > GRADE_SPEED_MPS and np.isfinite(up):
+    if abs(v_x) > GRADE_SPEED_MPS and math.isfinite(up):
         gain = max(dt / (GRADE_S + dt), 1.0 / memory.gnss_samples)
         memory.grade += gain * (up / v_x - memory.grade)
 
@@ -81,10 +84,10 @@ def _add_sideslip(v_y: float, v_y_cg: float, sd: float, epoch_ns: int, memory: R
     The sd is that of independent errors; what a constant heading error adds is not in it.
     """
     dt = (epoch_ns - memory.v_ns) * 1e-9
-    if memory.v_ns >= 0 and dt < STALE_S and np.isfinite(v_y) and np.isfinite(memory.v_y_mps):
+    if memory.v_ns >= 0 and dt < STALE_S and math.isfinite(v_y) and math.isfinite(memory.v_y_mps):
         memory.sideslip_rear_m += 0.5 * (memory.v_y_mps + v_y) * dt
         memory.sideslip_m += 0.5 * (memory.v_y_cg_mps + v_y_cg) * dt
         memory.sideslip_var_m2 += (sd * dt) ** 2
     memory.v_y_mps, memory.v_y_cg_mps = v_y, v_y_cg
-    memory.v_y_sd_mps = sd if np.isfinite(v_y) else np.nan
+    memory.v_y_sd_mps = sd if math.isfinite(v_y) else np.nan
     memory.v_ns = epoch_ns

@@ -22,6 +22,8 @@ ROW = np.dtype(
 )
 """One estimate as compiled code writes it."""
 
+_UNKNOWN = np.array([tuple(0 if ROW[n].kind == "i" else np.nan for n in ESTIMATES)], ROW)
+
 SLOW_MPS = 0.05
 """Below this speed an angle of slip means nothing and is NaN."""
 
@@ -40,6 +42,11 @@ class State:
     """One record: what the filter carries."""
 
 
+def unknown(count: int) -> NDArray[Any]:
+    """Records of ROW that tell nothing yet. Shape (count,)."""
+    return np.repeat(_UNKNOWN, count)
+
+
 def begin(setup: Setup, tuning: NDArray[Any], memory: NDArray[Any]) -> State:
     """The state before the first sample."""
     return State(signals.start(setup), tuning, memory)
@@ -49,10 +56,7 @@ def advance(loop: Loop, state: State, chunk: Streams) -> tuple[State, Table]:
     """Run a compiled loop over a chunk: the state after it, and the table of its estimates."""
     reader, samples = signals.read(state.reader, chunk)
     memory = state.memory.copy()
-    rows = np.zeros(len(samples), ROW)
-    for name in ESTIMATES:
-        if ROW[name].kind == "f":
-            rows[name] = np.nan
+    rows = unknown(len(samples))
     count = loop(samples, reader.nominal[0], state.tuning[0], memory[0], rows) if len(rows) else 0
     return (
         State(reader, state.tuning, memory),

@@ -6,6 +6,7 @@ for the ground's speed and one for the wheels'. Nothing is searched for and noth
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -166,7 +167,7 @@ def _advance(bank: int, tuning: Record, memory: Record) -> None:
         for which in range(first, last + 1):
             normal, logarithm = _take(which, x, cov, tuning, memory.step)
             score[m] += logarithm
-            if np.isfinite(normal):
+            if math.isfinite(normal):
                 _correlate(bank, m, which, normal, tuning, memory)
     if tuning.by_whiteness:
         _choose(bank, first, last, memory)
@@ -177,7 +178,7 @@ def _advance(bank: int, tuning: Record, memory: Record) -> None:
 @compiled
 def _variance(which: int, tuning: Record, step: Record) -> float:
     sd = tuning.sd[which]
-    return float(step.sd[which] if np.isnan(sd) else sd) ** 2
+    return float(step.sd[which] if math.isnan(sd) else sd) ** 2
 
 
 @compiled
@@ -185,7 +186,7 @@ def _begin(bank: int, first: int, last: int, tuning: Record, memory: Record) -> 
     """All filters with the first speed that came: [z, 0, 0, 0], sd 1 of acceleration and jerk."""
     for which in range(first, last):  # the last one is the acceleration
         variance, age = _variance(which, tuning, memory.step), memory.step.age_s[which]
-        if memory.known[bank] or not np.isfinite(memory.step.z[which] + variance):
+        if memory.known[bank] or not math.isfinite(memory.step.z[which] + variance):
             continue
         memory.known[bank] = 1
         for m in range(FILTERS):
@@ -221,9 +222,9 @@ def _take(which: int, x: Array, cov: Array, tuning: Record, step: Record) -> tup
         for j in range(STATES):
             variance += h[i] * cov[i, j] * h[j]
     squared = update(x, cov, h, z, r)
-    if np.isnan(squared):
+    if math.isnan(squared):
         return np.nan, 0.0
-    return innovation / np.sqrt(variance), -0.5 * (squared + np.log(variance))
+    return innovation / math.sqrt(variance), -0.5 * (squared + np.log(variance))
 
 
 @compiled

@@ -1,7 +1,8 @@
-"""The filter of Zhang (2018) with the accelerometer its paper names and leaves out."""
+"""The filter of Zhang (2018), and the accelerometer that the paper names without an equation."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -99,7 +100,8 @@ class FourState:
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
         """The state after the chunk, and a table with one row per accepted wheel sample.
 
-        A wheel sample that is out of order, or over 5 s older than the newest sample, gives no row.
+        A wheel sample that is not newer than the last one, or over 5 s older than the newest sample
+        of any sensor, gives no row.
         """
         return advance(_loop, state, chunk)
 
@@ -168,7 +170,7 @@ def white_jerk(dt: float, psd: float, n: int) -> tuple[Array, Array]:
 @compiled
 def _take_gnss(signal: Record, age: float, nominal: Record, tuning: Record, memory: Record) -> None:
     """Measure the ground speed of `age` ago, v - a age; the first time, begin with it."""
-    if not np.isfinite(signal.v_x_mps):
+    if not math.isfinite(signal.v_x_mps):
         return
     memory.measured_ns = signal.epoch_ns
     if memory.ground_known:
@@ -201,7 +203,7 @@ def _take_wheels(signal: Record, age: float, memory: Record) -> None:
     """Measure w_i - a_w,i tau of each wheel; the first time, begin with it."""
     for i in range(4):
         speed, sd = signal.wheel_mps[i], signal.wheel_sd_mps[i]
-        if not (np.isfinite(speed) and np.isfinite(sd)):
+        if not (math.isfinite(speed) and math.isfinite(sd)):
             continue
         tau = age + signal.wheel_age_s[i]
         if memory.wheel_known[i]:
@@ -222,7 +224,7 @@ def _report(row: Record, signal: Record, nominal: Record, memory: Record) -> Non
     wheels, wheel_sd = np.full(4, np.nan), np.full(4, np.nan)
     for i in range(4):
         if memory.wheel_known[i]:
-            wheels[i], wheel_sd[i] = memory.wheel[i, 0], np.sqrt(memory.wheel_cov[i, 0, 0])
+            wheels[i], wheel_sd[i] = memory.wheel[i, 0], math.sqrt(memory.wheel_cov[i, 0, 0])
     ground, variance = np.nan, np.nan
     if memory.ground_known:
         ground, variance = memory.ground[0], memory.ground_cov[0, 0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -81,7 +82,7 @@ def _loop(signals: Any, nominal: Record, tuning: Record, memory: Record, rows: A
         memory.flags |= signal.flags
         if signal.flags & OUT_OF_ORDER:
             continue
-        if signal.sensor == GNSS and np.isfinite(signal.v_x_mps):
+        if signal.sensor == GNSS and math.isfinite(signal.v_x_mps):
             memory.v, memory.v_var = signal.v_x_mps, signal.v_sd_mps**2
             memory.measured_ns = signal.epoch_ns
         if signal.sensor != WHEELS:
@@ -103,7 +104,7 @@ def _collect(signal: Record, nominal: Record, memory: Record) -> None:
     """
     speed = driven_mean(signal.wheel_mps, nominal)
     variance = mean_variance(signal.wheel_sd_mps, nominal, 1.0, signal.one_driven_speed)
-    if not (np.isfinite(speed) and np.isfinite(variance)):
+    if not (math.isfinite(speed) and math.isfinite(variance)):
         return
     n = memory.wheel_samples + 1
     memory.wheel = speed if n == 1 else memory.wheel + (speed - memory.wheel) / n
@@ -142,7 +143,7 @@ def _step(steps: int, tuning: Record, memory: Record) -> None:
 @compiled
 def _measure(index: int, known: int, z: float, variance: float, memory: Record) -> int:
     """Measure x[index]; if it is not known yet, start it. Returns whether it is known."""
-    if not np.isfinite(z):
+    if not math.isfinite(z):
         return known
     if not known:
         memory.x[index], memory.x[index + 1] = z, 0.0

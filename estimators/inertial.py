@@ -46,7 +46,7 @@ def read(
     signal.accel_x_mps2, signal.gyro_y_radps = accel_x, q
     step = min(dt, 1.0)
     memory.imu_samples += 1
-    if np.isfinite(p) and np.isfinite(q):
+    if math.isfinite(p) and math.isfinite(q):
         gain = max(step / (GYRO_MEAN_S + step), 1.0 / memory.imu_samples)
         memory.gyro_mean_radps[0] += gain * (p - memory.gyro_mean_radps[0])
         memory.gyro_mean_radps[1] += gain * (q - memory.gyro_mean_radps[1])
@@ -58,7 +58,7 @@ def read(
         memory.pitch_rad = (memory.pitch_rad + turned) * math.exp(-dt / PITCH_LEAK_S)
     else:
         p, q = 0.0, 0.0
-    if np.isfinite(r):
+    if math.isfinite(r):
         memory.yaw_rad += 0.5 * (memory.yaw_rate_radps + r) * step
         memory.yaw_rate_radps = r
     _average_cross_slope(accel_y, step, memory)
@@ -90,9 +90,9 @@ def _trust_in_mean(span_s: float, bias_sd: float) -> float:
 @compiled
 def _average_cross_slope(accel_y: float, step: float, memory: Record) -> None:
     """Mean of f_y - r v_x, which on a cross slope is g sin(roll)."""
-    if np.isfinite(memory.v_x_mps):
+    if math.isfinite(memory.v_x_mps):
         accel_y -= memory.yaw_rate_radps * memory.v_x_mps
-    if np.isfinite(accel_y):
+    if math.isfinite(accel_y):
         gain = max(step / (ROLL_S + step), 1.0 / memory.imu_samples)
         memory.accel_y_mps2 += gain * (accel_y - memory.accel_y_mps2)
 

@@ -6,6 +6,7 @@ and taken one after another, which for independent noises is the joint update ex
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -66,7 +67,7 @@ def update(x: Array, p: Array, h: Array, z: float, r: float) -> float:
         Normalised innovation squared e^2 / S; NaN if the measurement was skipped.
     """
     n = len(x)
-    if not (np.isfinite(z) and np.isfinite(r)):
+    if not (math.isfinite(z) and math.isfinite(r)):
         return np.nan
     ph = np.zeros(n)
     innovation, variance = z, r
@@ -112,4 +113,4 @@ def slip_and_sd(
         + 2.0 * by_wheel * by_ground * covariance
         + by_ground**2 * ground_var
     )
-    return slip, np.sqrt(max(variance, 0.0))
+    return slip, math.sqrt(max(variance, 0.0))

@@ -6,6 +6,7 @@ pickle.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -140,7 +141,13 @@ _UNKNOWN = frozenset({"tick", "v_x_mps", "v_y_mps", "v_y_sd_mps", "v_y_cg_mps"})
 
 def blank(layout: np.dtype[Any], n: int) -> NDArray[Any]:
     """Records before anything is known: epochs -1, signals NaN, the rest of a memory 0."""
-    records = np.zeros(n, layout)
+    return np.full(n, _blank(layout)[0], layout)
+
+
+@cache
+def _blank(layout: np.dtype[Any]) -> NDArray[Any]:
+    """One of them."""
+    records = np.zeros(1, layout)
     for name in layout.names or ():
         if name.endswith("_ns"):
             records[name] = -1

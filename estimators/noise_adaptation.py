@@ -14,6 +14,7 @@ v, a, j are speed, acceleration and jerk of the ground; w, aw, jw those of the d
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from math import exp, sqrt
 
@@ -67,7 +68,7 @@ def accumulate(innovation: Array, sums: Array, counts: Array) -> None:
     for i in range(ROWS):
         for j in range(ROWS):
             product = innovation[i] * innovation[j]
-            if np.isfinite(product):
+            if math.isfinite(product):
                 sums[i, j] += product
                 counts[i, j] += 1.0
 

@@ -10,6 +10,7 @@ One module, because the filters of this family differ in tuning alone.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -134,7 +135,8 @@ class ParallelKf:
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
         """The state after the chunk, and a table with one row per accepted wheel sample.
 
-        A wheel sample that is out of order, or over 5 s older than the newest sample, gives no row.
+        A wheel sample that is not newer than the last one, or over 5 s older than the newest sample
+        of any sensor, gives no row.
         """
         return advance(_loop, state, chunk)
 
@@ -216,7 +218,7 @@ def _take_speed(
     channel: int, speed: float, variance: float, age: float, of_front: float, memory: Record
 ) -> int:
     """Measure v - a age + j age^2/2 + of_front c. Returns 1 if it would be the first."""
-    if not (np.isfinite(speed) and np.isfinite(variance)):
+    if not (math.isfinite(speed) and math.isfinite(variance)):
         return 0
     if not memory.known[channel]:
         return 1
@@ -250,8 +252,8 @@ def _take_accel(channel: int, accel: float, sd: float, memory: Record) -> None:
 
 @compiled
 def _take_gnss(signal: Record, age: float, tuning: Record, memory: Record) -> None:
-    sd = signal.v_sd_mps if np.isnan(tuning.gnss_sd) else tuning.gnss_sd
-    if np.isfinite(signal.v_x_mps):
+    sd = signal.v_sd_mps if math.isnan(tuning.gnss_sd) else tuning.gnss_sd
+    if math.isfinite(signal.v_x_mps):
         memory.measured_ns = signal.epoch_ns
     for channel in range(2):
         if not tuning.takes_gnss[channel]:
@@ -267,12 +269,12 @@ def _take_front(
 ) -> None:
     speed = towed_mean(signal.wheel_mps, nominal)
     variance = mean_variance(signal.wheel_sd_mps, nominal, 0.0, signal.one_towed_speed)
-    if not np.isnan(tuning.front_sd):
+    if not math.isnan(tuning.front_sd):
         variance = tuning.front_sd**2
     tau = age + signal.wheel_age_s.max()
     for channel in range(2):
         if tuning.takes_front[channel]:
-            if np.isfinite(speed):
+            if math.isfinite(speed):
                 memory.measured_ns = signal.epoch_ns
             if _take_speed(channel, speed, variance, tau, 1.0, memory):
                 offset_sd = tuning.front_offset_sd
@@ -288,7 +290,7 @@ def _take_driven(
 ) -> None:
     speed = driven_mean(signal.wheel_mps, nominal)
     variance = mean_variance(signal.wheel_sd_mps, nominal, 1.0, signal.one_driven_speed)
-    if not np.isnan(tuning.rear_sd):
+    if not math.isnan(tuning.rear_sd):
         variance = tuning.rear_sd**2
     tau = age + signal.wheel_age_s.max()
     if _take_speed(WHEEL, speed, variance, tau, 0.0, memory):
@@ -310,7 +312,7 @@ def _report(row: Record, signal: Record, nominal: Record, memory: Record) -> Non
         for channel in range(2):
             if memory.known[channel]:
                 ground, ground_var = memory.x[channel, 0], memory.cov[channel, 0, 0]
-    if np.isnan(ground) or (memory.time_ns - memory.measured_ns) * 1e-9 > STALE_S:
+    if math.isnan(ground) or (memory.time_ns - memory.measured_ns) * 1e-9 > STALE_S:
         memory.flags |= NO_GROUND_SPEED
     if memory.known[WHEEL]:
         wheel, wheel_var = memory.x[WHEEL, 0], memory.cov[WHEEL, 0, 0]

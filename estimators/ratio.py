@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -58,7 +59,7 @@ def _loop(signals: Any, nominal: Record, tuning: Record, memory: Record, rows: A
         memory.flags |= signal.flags
         if signal.flags & OUT_OF_ORDER:
             continue
-        if signal.sensor == GNSS and not tuning.towed and np.isfinite(signal.v_x_mps):
+        if signal.sensor == GNSS and not tuning.towed and math.isfinite(signal.v_x_mps):
             memory.v_ns, memory.v_mps = signal.epoch_ns, signal.v_x_mps
             memory.v_var = signal.v_sd_mps**2
         if signal.sensor != WHEELS:
@@ -68,7 +69,7 @@ def _loop(signals: Any, nominal: Record, tuning: Record, memory: Record, rows: A
             memory.v_var = mean_variance(signal.wheel_sd_mps, nominal, 0.0, signal.one_towed_speed)
         if (signal.epoch_ns - memory.v_ns) * 1e-9 > STALE_S:
             memory.v_mps = np.nan
-        if np.isnan(memory.v_mps):
+        if math.isnan(memory.v_mps):
             memory.flags |= NO_GROUND_SPEED
         row = rows[count]
         write(

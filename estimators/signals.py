@@ -8,6 +8,7 @@ the samples are cut changes no bit.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -70,7 +71,7 @@ def read(
         The reader after the chunk, and one record of `layout.SIGNALS` per sample of those sensors,
         in order of arrival.
     """
-    used = Streams({s: chunk[s] for s in sensors if s in chunk})
+    used = chunk.only(sensors)
     sensor, row = used.merge_order()
     memory, signals = reader.memory.copy(), blank(SIGNALS, len(sensor))
     if len(sensor):
@@ -88,7 +89,7 @@ def read(
 def _epochs(chunk: Streams, sensor: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.int64]:
     epochs = np.zeros(len(sensor), np.int64)
     for index, name in enumerate(COLUMNS):
-        if name in chunk:
+        if name in chunk and len(chunk[name]["epoch_ns"]):
             chosen = sensor == index
             epochs[chosen] = chunk[name]["epoch_ns"][row[chosen]]
     return epochs
@@ -97,10 +98,12 @@ def _epochs(chunk: Streams, sensor: NDArray[np.int64], row: NDArray[np.int64]) -
 def _matrix(chunk: Streams, sensor: str, columns: tuple[str, ...]) -> NDArray[np.float64]:
     """The named columns side by side, NaN where there is none. Shape (samples, columns)."""
     table = chunk.tables.get(sensor, {})
-    matrix = np.full((len(table.get("epoch_ns", ())), len(columns)), np.nan)
+    count = len(table.get("epoch_ns", ()))
+    if not count:
+        return np.empty((0, len(columns)))
+    matrix = np.empty((count, len(columns)))
     for index, name in enumerate(columns):
-        if name in table:
-            matrix[:, index] = table[name]
+        matrix[:, index] = table.get(name, np.nan)
     return matrix
 
 
@@ -135,7 +138,7 @@ def _read(
             speed, variance, used = camera[rows[i]]
             if used == 1.0 and variance >= 0.0:
                 signal.v_x_mps = speed + memory.yaw_rate_radps * nominal.camera_y_m
-                signal.v_sd_mps = np.sqrt(variance)
+                signal.v_sd_mps = math.sqrt(variance)
         signal.yaw_rate_radps = memory.yaw_rate_radps
         signal.pitch_rate_radps = memory.history[memory.imu_samples % HISTORY, 1]
         signal.v_y_held_mps = memory.v_y_mps
@@ -143,4 +146,4 @@ def _read(
         known = memory.sideslip_var_m2 > 0.0  # some lateral velocity has been integrated
         signal.sideslip_m = memory.sideslip_m if known else np.nan
         signal.sideslip_rear_m = memory.sideslip_rear_m if known else np.nan
-        signal.sideslip_sd_m = np.sqrt(memory.sideslip_var_m2) if known else np.nan
+        signal.sideslip_sd_m = math.sqrt(memory.sideslip_var_m2) if known else np.nan

@@ -6,6 +6,7 @@ sample of each sensor since the last step; what did not come is NaN.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -68,9 +69,13 @@ def gather(signal: Record, nominal: Record, step: Record) -> bool:
     elif signal.sensor == WHEELS:
         age, epoch_ns = signal.wheel_age_s.max(), signal.epoch_ns
         var = mean_variance(signal.wheel_sd_mps, nominal, 0.0, signal.one_towed_speed)
-        _put(step, FRONT_SPEED, towed_mean(signal.wheel_mps, nominal), np.sqrt(var), epoch_ns, age)
+        _put(
+            step, FRONT_SPEED, towed_mean(signal.wheel_mps, nominal), math.sqrt(var), epoch_ns, age
+        )
         var = mean_variance(signal.wheel_sd_mps, nominal, 1.0, signal.one_driven_speed)
-        _put(step, REAR_SPEED, driven_mean(signal.wheel_mps, nominal), np.sqrt(var), epoch_ns, age)
+        _put(
+            step, REAR_SPEED, driven_mean(signal.wheel_mps, nominal), math.sqrt(var), epoch_ns, age
+        )
         accel = driven_mean(signal.wheel_accel_mps2, nominal)
         _put(step, REAR_ACCEL, accel, np.nan, epoch_ns, 0.0)
         _complete(step, epoch_ns)
@@ -89,7 +94,7 @@ def clear(step: Record) -> None:
 
 @compiled
 def _put(step: Record, which: int, z: float, sd: float, epoch_ns: int, age_s: float) -> None:
-    if np.isfinite(z):
+    if math.isfinite(z):
         step.z[which], step.sd[which] = z, sd
         step.z_ns[which], step.age_s[which] = epoch_ns, age_s
 
@@ -99,7 +104,7 @@ def _complete(step: Record, epoch_ns: int) -> None:
     step.epoch_ns = epoch_ns
     step.dt_s = 0.0 if step.last_ns < 0 else (epoch_ns - step.last_ns) * 1e-9
     for which in range(MEASURED):
-        if np.isfinite(step.z[which]):
+        if math.isfinite(step.z[which]):
             step.age_s[which] += (epoch_ns - step.z_ns[which]) * 1e-9
             if step.age_s[which] > STALE_S:
                 step.z[which] = np.nan

@@ -31,9 +31,9 @@ def read(
     """
     for i in range(4):
         ticks = sample[TICKS + i]
-        if np.isfinite(ticks):
+        if math.isfinite(ticks):
             dt = (epoch_ns - memory.tick_ns[i]) * 1e-9
-            if np.isfinite(memory.tick[i]) and dt < STALE_S:
+            if math.isfinite(memory.tick[i]) and dt < STALE_S:
                 per_tick = 2.0 * math.pi * nominal.radius_m[i] / nominal.counts_per_turn
                 signal.wheel_mps[i] = per_tick * (ticks - memory.tick[i]) / dt
                 signal.wheel_sd_mps[i] = per_tick / math.sqrt(6.0) / dt
@@ -47,7 +47,7 @@ def read(
     signal.one_driven_speed = _one_speed(sample, nominal, 1.0)
     signal.one_towed_speed = _one_speed(sample, nominal, 0.0)
     speed = driven_mean(signal.wheel_mps, nominal)
-    if speed != 0.0 and np.isfinite(speed):
+    if speed != 0.0 and math.isfinite(speed):
         memory.direction = math.copysign(1.0, speed)
 
 
@@ -67,7 +67,7 @@ def towed_mean(values: NDArray[np.float64], nominal: Record) -> float:
 def _mean(values: NDArray[np.float64], nominal: Record, driven: float) -> float:
     total, count = 0.0, 0
     for i in range(4):
-        if nominal.driven[i] == driven and np.isfinite(values[i]):
+        if nominal.driven[i] == driven and math.isfinite(values[i]):
             total += values[i]
             count += 1
     return total / count if count else np.nan
@@ -78,7 +78,7 @@ def mean_variance(sd: NDArray[np.float64], nominal: Record, driven: float, one: 
     """Variance of that mean: sum sd^2 / n^2, or the mean of sd^2 where all are one and the same."""
     total, count = 0.0, 0
     for i in range(4):
-        if nominal.driven[i] == driven and np.isfinite(sd[i]):
+        if nominal.driven[i] == driven and math.isfinite(sd[i]):
             total += sd[i] ** 2
             count += 1
     if count == 0:
@@ -92,8 +92,8 @@ def _one_speed(sample: NDArray[np.float64], nominal: Record, driven: float) -> i
     first = np.nan
     for i in range(4):
         if nominal.driven[i] == driven:
-            if np.isnan(first):
+            if math.isnan(first):
                 first = sample[SPEEDS + i]
             elif sample[SPEEDS + i] != first:
                 return 0
-    return 1 if np.isfinite(first) else 0
+    return 1 if math.isfinite(first) else 0

@@ -1,7 +1,7 @@
 """The simulation of the IMA-PKF paper (INMATEH 77-13): signals of speeds, no vehicle.
 
-Printed are: ground speed 1-3 m/s, 30 s at 50 Hz, the sensors' noise (R1, R2), and five disturbances
-a trial. Its tracks are not; these are three kinds that a ploughing tractor might leave.
+The paper gives ground speeds of 1-3 m/s, 30 s at 50 Hz, the sensors' noise (R1, R2), and five
+disturbances a trial. It does not give the speeds over time; here are three plausible kinds.
 """
 
 from __future__ import annotations
@@ -101,7 +101,10 @@ def simulate(trial: Trial) -> Signals:
 
 
 def noise_sd(trial: Trial, name: str, speed_mps: Array) -> Array:
-    """Standard deviation of a signal's noise at the true speeds it has. Shape (n,)."""
+    """Standard deviation of a signal's noise, as printed or 5 % of the speed, in its unit. (n,)
+
+    The 5 % are for speeds with `trial.noise` = "proportional".
+    """
     printed = np.full_like(speed_mps, SD[name])
     proportional = trial.noise == "proportional" and not name.endswith("accel")
     return SHARE * speed_mps if proportional else printed

@@ -102,6 +102,7 @@ def test_a_bar_counts_over_its_stages_and_only_on_a_terminal(
         out = io.StringIO()
         made = Console(file=out, force_terminal=on_terminal, width=120)
         monkeypatch.setattr(terminal, "console", lambda stderr=False: made)
+        monkeypatch.setattr(terminal, "_plain", lambda stderr=False: False)
         with terminal.counting("paper", "runs", shown=True) as tell:
             for stage in ((0, 2), (1, 2), (2, 2), (0, 4), (1, 4)):
                 tell(*stage)

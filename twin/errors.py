@@ -1,4 +1,4 @@
-"""The errors a user can cause; each message names the value, how much it was, and what would do."""
+"""Errors a user can cause; the message names the value, how much it was, and what is allowed."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ class TwinError(Exception):
 
 
 class OutOfRange(TwinError, ValueError):
-    """A value outside the range where it means something."""
+    """A value outside its allowed range."""
 
     def __init__(self, name: str, value: object, allowed: str) -> None:
         super().__init__(f"{name} = {value} is outside {allowed}")
 
 
 class UnknownName(TwinError, LookupError):
-    """A name nothing is called by; says what is."""
+    """An unknown name; the message gives the nearest known one, or all of them."""
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         known = sorted(known)

@@ -37,6 +37,9 @@ WHEELS = ("fl", "fr", "rl", "rr")
 
 STAMPS = ("epoch_ns", "arrival_ns")
 
+FEW = 16
+"""Samples that are faster sorted one by one, as in a control step of an environment."""
+
 Value = bool | int | float | str | tuple[float, ...]
 """A value of a data sheet."""
 
@@ -111,6 +114,7 @@ class ImuSetup:
 
     rate_hz: float
     lever_arm_m: tuple[float, float, float]
+    """Unit, body axes, from the rear-axle centre."""
     gyro_noise_radps_rthz: float
     accel_noise_mps2_rthz: float
     gyro_bias_sd_radps: float
@@ -280,6 +284,14 @@ class Streams:
         """Number of samples of all sensors."""
         return sum(len(t["epoch_ns"]) for t in self.tables.values())
 
+    def only(self, sensors: Iterable[str]) -> Streams:
+        """The samples of those of the sensors that there are, without frames."""
+        part = object.__new__(Streams)  # its arrays are read-only already
+        chosen = {s: self.tables[s] for s in sensors if s in self.tables}
+        object.__setattr__(part, "tables", chosen)
+        object.__setattr__(part, "frames", None)
+        return part
+
     def column(self, sensor: str, name: str) -> Array:
         """A column, or NaN where the sensor has none. Shape (n,), (0,) without the sensor."""
         table = self.tables.get(sensor)
@@ -297,8 +309,14 @@ class Streams:
         """
         present = self._numbered()
         counts = [len(self.tables[s]["arrival_ns"]) for _, s in present]
-        if not present:
-            return np.empty(0, np.int64), np.empty(0, np.int64)
+        if sum(counts) <= FEW:
+            arrived = [
+                (ns, i, row)
+                for i, s in present
+                for row, ns in enumerate(self.tables[s]["arrival_ns"].tolist())
+            ]
+            numbers = np.array([x[1:] for x in sorted(arrived)], np.int64).reshape(-1, 2)
+            return numbers[:, 0].copy(), numbers[:, 1].copy()
         arrival = np.concatenate([self.tables[s]["arrival_ns"] for _, s in present])
         sensor = np.repeat([i for i, _ in present], counts)
         row = np.concatenate([np.arange(n) for n in counts])
@@ -316,7 +334,7 @@ class Streams:
 
     def _numbered(self) -> list[tuple[int, str]]:
         """The sensors that there are, numbered as `merge_order` does."""
-        own = sorted(set(self.tables) - set(COLUMNS))
+        own = sorted(self.tables.keys() - COLUMNS.keys())
         return [(i, s) for i, s in enumerate((*COLUMNS, *own)) if s in self.tables]
 
     def chunks(self, size: int) -> Iterator[Streams]:

@@ -139,7 +139,8 @@ class SideslipEkf:
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
         """The state after the chunk, and a table with one row per accepted wheel sample.
 
-        A wheel sample that is out of order, or over 5 s older than the newest sample, gives no row.
+        A wheel sample that is not newer than the last one, or over 5 s older than the newest sample
+        of any sensor, gives no row.
         """
         slip, table = FourState().run(state.slip, chunk)
         work = Work(replace(state, slip=slip), self.tuning)

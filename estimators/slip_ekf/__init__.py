@@ -1,8 +1,8 @@
-"""Slip from the two speeds of an extended Kalman filter of all streams, and its offline twin.
+"""Slip from the two speeds of an extended Kalman filter of all streams, and its smoother.
 
 Source of the structure: slip estimated beside the speed it couples to (Berntorp 2016, IEEE TCST 24,
 1020; Kilic et al. 2021, RA-L), here by the wheels' own speed as a state, see `model`; the gate of
-chi-square; gravity's leak and the radius as states.
+chi-square; the part of gravity in the acceleration and the radius as states.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import signals
-from estimators.estimate import ROW
+from estimators.estimate import unknown
 from estimators.slip_ekf.filter import loop
 from estimators.slip_ekf.layout import MEMORY
 from estimators.slip_ekf.raised import USED, Lift, lifted, start
@@ -154,15 +154,13 @@ class SlipEkf:
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
         """The state after the chunk, and a table with one row per accepted wheel sample.
 
-        A wheel sample that is out of order, or over 5 s older than the newest sample, gives no row.
+        A wheel sample that is not newer than the last one, or over 5 s older than the newest sample
+        of any sensor, gives no row.
         """
         reader, samples = signals.read(state.reader, chunk, USED)
         lift, raised = lifted(state.lift, chunk)
         memory = state.memory.copy()
-        rows = np.zeros(len(samples), ROW)
-        for name in ESTIMATES:
-            if ROW[name].kind == "f":
-                rows[name] = np.nan
+        rows = unknown(len(samples))
         count = 0
         if len(rows):
             count = loop(samples, raised, reader.nominal[0], state.tuning[0], memory[0], rows)

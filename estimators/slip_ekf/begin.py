@@ -43,15 +43,15 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
     front, front_var, _ = axle(wheels, sd, nominal, 0.0, np.nan, 0.0)
     rear, rear_var, _ = axle(wheels, sd, nominal, 1.0, np.nan, 0.0)
     speed, variance = memory.first_mps, memory.first_var
-    if np.isfinite(front):
+    if math.isfinite(front):
         front_var += (tuning.skid_sd * front) ** 2
-        if np.isfinite(speed):
+        if math.isfinite(speed):
             share = variance / (variance + front_var)
             speed, variance = speed + share * (front - speed), variance * (1.0 - share)
         else:
             speed, variance = front, front_var
             memory.measured_ns = signal.epoch_ns
-    if not np.isfinite(speed) or not np.isfinite(rear):
+    if not math.isfinite(speed) or not math.isfinite(rear):
         return
     memory.known = 1
     memory.rim_mps, memory.spin, memory.forgotten_s = rear, 1.0, 1.0
@@ -84,7 +84,7 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
     if signal.wheel_age_s.max() > 0.0:
         restart(memory, REAR_TRAVEL, rear_var * 2.0 * signal.wheel_age_s.max() ** 2)
         memory.rear_spans = 1
-        if np.isfinite(front):
+        if math.isfinite(front):
             restart(memory, FRONT_TRAVEL, rear_var * 2.0 * signal.wheel_age_s.max() ** 2)
             memory.front_spans = 1
 

@@ -77,7 +77,7 @@ def take_wheels(
         return
     towed = model.front_row(memory.x, age, h)
     across = signal.yaw_rate_radps * nominal.track_rear_m
-    across = across if np.isfinite(across) else 0.0
+    across = across if math.isfinite(across) else 0.0
     if lifted(wheels, across, (signal.epoch_ns - memory.rear_ns) * 1e-9, nominal, memory):
         # the mean of both was as much behind
         doubt(memory, 0.5 * abs(memory.towed_apart_mps), LEAN_S, 1.0)
@@ -94,7 +94,7 @@ def take_wheels(
         rear_var *= rear_n
     if signal.one_towed_speed:
         front_var *= front_n
-    if np.isfinite(rear):
+    if math.isfinite(rear):
         dt = min(max((signal.epoch_ns - memory.rear_ns) * 1e-9, 0.0), RIM_TAU_S)
         memory.rim_mps += dt / RIM_TAU_S * (rear - memory.rim_mps)
     _stand(rear, front, h, memory)
@@ -129,7 +129,7 @@ def _take_front(
     memory: Record,
 ) -> None:
     """Counted travel of the towed wheels where it is unbroken, else their speed."""
-    if not (np.isfinite(speed) and np.isfinite(variance)):
+    if not (math.isfinite(speed) and math.isfinite(variance)):
         memory.front_spans = 0
         return
     memory.front_ns = signal.epoch_ns
@@ -166,7 +166,7 @@ def _take_rear(
     memory: Record,
 ) -> None:
     """Counted travel of the driven wheels where it is unbroken, else their speed."""
-    if not (np.isfinite(speed) and np.isfinite(variance)):
+    if not (math.isfinite(speed) and math.isfinite(variance)):
         memory.rear_spans = 0
         return
     tau = signal.wheel_age_s.max()
@@ -193,7 +193,7 @@ def _take_rear(
             memory.rear_spans = 1
     accel, n = 0.0, 0
     for i in range(4):
-        if np.isfinite(signal.wheel_accel_mps2[i]):
+        if math.isfinite(signal.wheel_accel_mps2[i]):
             accel += signal.wheel_accel_mps2[i]
             n += 1
     if n:
@@ -207,7 +207,7 @@ def _take_rear(
 @compiled
 def _stand(rear: float, front: float, h: Array, memory: Record) -> None:
     """A machine whose wheels all stand still stands still, and does not slip."""
-    still = rear == 0.0 and (front == 0.0 or np.isnan(front)) and abs(memory.x[V]) < 0.1
+    still = rear == 0.0 and (front == 0.0 or math.isnan(front)) and abs(memory.x[V]) < 0.1
     if still:
         h[:] = 0.0
         h[V] = 1.0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from estimators.kalman import Array, Record
@@ -19,11 +21,11 @@ touch the ground; they do again below the other. Tyres of one axle differ by les
 @compiled
 def usable(speed: float, predicted: float) -> bool:
     """Whether a wheel's speed can be: finite, turning if it should, and no jump."""
-    if not np.isfinite(speed):
+    if not math.isfinite(speed):
         return False
     if speed == 0.0 and abs(predicted) > MOVING_MPS:
         return False
-    return not np.isfinite(predicted) or abs(speed - predicted) < JUMP_MPS
+    return not math.isfinite(predicted) or abs(speed - predicted) < JUMP_MPS
 
 
 @compiled
@@ -70,7 +72,7 @@ def lifted(wheels: Array, across: float, dt: float, nominal: Record, memory: Rec
     """
     left, right = (0, 1) if nominal.driven[2] else (2, 3)
     faster = max(wheels[left], wheels[right])
-    if nominal.driven[left] or nominal.driven[right] or not np.isfinite(faster):
+    if nominal.driven[left] or nominal.driven[right] or not math.isfinite(faster):
         return False
     share = min(dt / APART_S, 1.0)
     memory.towed_apart_mps += share * (
@@ -89,7 +91,7 @@ def radius(nominal: Record, driven: float) -> float:
     """Mean nominal radius of an axle's wheels [m]; 0 where none is stated."""
     total, n = 0.0, 0
     for i in range(4):
-        if nominal.driven[i] == driven and np.isfinite(nominal.radius_m[i]):
+        if nominal.driven[i] == driven and math.isfinite(nominal.radius_m[i]):
             total += nominal.radius_m[i]
             n += 1
     return total / n if n else 0.0

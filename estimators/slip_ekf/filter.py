@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -104,7 +105,7 @@ def advance(epoch_ns: int, nominal: Record, tuning: Record, memory: Record) -> N
 @compiled
 def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Record) -> None:
     speed, sd = signal.v_x_mps, signal.v_sd_mps
-    if np.isfinite(speed) and np.isfinite(sd):
+    if math.isfinite(speed) and math.isfinite(sd):
         if memory.known:
             error = speed - model.ground_row(memory.x, age, h)
             # what the motion did since, which v - a age does not know
@@ -118,7 +119,7 @@ def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Rec
         else:
             memory.first_mps, memory.first_var = speed, sd**2 + age**2
             memory.measured_ns = signal.epoch_ns
-    if np.isfinite(signal.v_y_held_mps) and np.isfinite(speed):
+    if math.isfinite(signal.v_y_held_mps) and math.isfinite(speed):
         _take_across(signal, tuning, memory)
 
 
@@ -144,11 +145,11 @@ def _lean(
 def _take_camera(signal: Record, age: float, h: Array, tuning: Record, memory: Record) -> None:
     """A camera's forward speed; its own height is not known, and moves."""
     speed = signal.v_x_mps
-    if not (np.isfinite(speed) and np.isfinite(signal.v_sd_mps)):
+    if not (math.isfinite(speed) and math.isfinite(signal.v_sd_mps)):
         return
     variance = signal.v_sd_mps**2 + (tuning.camera_sd * speed) ** 2
     if not memory.known:
-        if not np.isfinite(memory.first_mps):
+        if not math.isfinite(memory.first_mps):
             memory.first_mps = speed
             memory.first_var = variance + (tuning.camera_scale_sd * speed) ** 2
         return
@@ -184,7 +185,7 @@ def _take_imu(
     accel = signal.accel_x_mps2
     dt = min(max((signal.epoch_ns - memory.imu_ns) * 1e-9, 0.0), 0.1)
     turn(signal.pitch_rate_radps, signal.epoch_ns, memory)
-    if memory.known and np.isfinite(signal.gyro_y_radps):
+    if memory.known and math.isfinite(signal.gyro_y_radps):
         if memory.gyro_y_known:
             tilt = 0.5 * (memory.gyro_y + signal.gyro_y_radps) * dt
             shift(memory, ACCEL_BIAS, -GRAVITY_MPS2 * tilt)
@@ -195,9 +196,9 @@ def _take_imu(
         accel -= memory.pitch_accel * nominal.imu_m[2]
     accel += signal.yaw_rate_radps**2 * nominal.imu_m[0]
     memory.imu_ns = signal.epoch_ns
-    if not np.isfinite(accel):
+    if not math.isfinite(accel):
         return
-    floor = nominal.accel_sd_mps2 if np.isfinite(nominal.accel_sd_mps2) else 0.0
+    floor = nominal.accel_sd_mps2 if math.isfinite(nominal.accel_sd_mps2) else 0.0
     felt = accel + nominal.gravity * GRAVITY_MPS2 * memory.pitch_rad
     variance = listen(felt, signal.epoch_ns, max(floor, tuning.accel_floor_sd) ** 2, memory)
     if memory.known:

@@ -5,6 +5,8 @@ The vibration depends on the engine and the motion on the field; neither is on a
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from estimators.kalman import Array, Record
@@ -37,7 +39,7 @@ def listen(accel: float, epoch_ns: int, floor_var: float, memory: Record) -> flo
     if memory.accel_count >= 2:
         square = (accel - 2.0 * memory.accel[0] + memory.accel[1]) ** 2 / 6.0
         gain = 1.0 / min(SETTLE, memory.accel_count + 10.0)
-        if np.isfinite(square):
+        if math.isfinite(square):
             limit = CLIP * max(memory.accel_var, floor_var)
             memory.accel_var += gain * (min(square, limit) - memory.accel_var)
     variance = max(memory.accel_var, floor_var)

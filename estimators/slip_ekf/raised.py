@@ -1,8 +1,9 @@
-"""The zero condition: when is the plough out of the ground?"""
+"""When is the plough out of the ground? There the filter assumes almost no slip."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,29 +34,26 @@ def start(setup: Setup) -> Lift:
 
 
 def lifted(lift: Lift, chunk: Streams) -> tuple[Lift, NDArray[np.float64]]:
-    """Whether the plough was out of the ground as far as known when each sample arrived.
+    """For each sample: was the plough out of the ground, by the depth samples that had arrived?
 
-    depth = zero - laser cos(inclination)
+    depth = zero_m - laser cos(inclination)
+
+    Out of the ground: depth < CLEAR_M. In it: depth > DOWN_M.
 
     Returns:
         What is known after the chunk, and one value per sample of USED in order of
-        arrival: 1 out of the ground, 0 in it, NaN unknown.
+        arrival: 1 out of the ground, 0 in it, NaN between the two or if no depth is known yet.
     """
-    used = Streams({s: chunk[s] for s in (*USED, "depth") if s in chunk})
+    used = chunk.only((*USED, "depth"))
     if "depth" not in used or not len(used["depth"]["epoch_ns"]):
         count = sum(len(chunk[s]["epoch_ns"]) for s in USED if s in chunk)
         return lift, np.full(count, lift.raised)
     cosine = np.cos(np.nan_to_num(used.column("depth", "inclination_rad")))
-    depth_m = lift.zero_m - used.column("depth", "laser_m") * cosine
-    sensor, row = used.merge_order()
-    known = np.full(len(sensor) + 1, np.nan)
-    known[0] = lift.raised
-    told = np.zeros(len(known), bool)
-    told[0] = True
-    at = 1 + np.flatnonzero(sensor == tuple(COLUMNS).index("depth"))
-    depth_m = depth_m[row[at - 1]]
-    told[at] = np.isfinite(depth_m)
-    known[at] = np.where(depth_m < CLEAR_M, 1.0, np.where(depth_m > DOWN_M, 0.0, np.nan))
-    known = known[np.maximum.accumulate(np.where(told, np.arange(len(known)), 0))][1:]
-    kept = known[sensor != tuple(COLUMNS).index("depth")]
-    return replace(lift, raised=float(known[-1])), kept
+    depth_m = (lift.zero_m - used.column("depth", "laser_m") * cosine).tolist()
+    raised, kept, of_depth = lift.raised, [], tuple(COLUMNS).index("depth")
+    for sensor, row in zip(*(order.tolist() for order in used.merge_order()), strict=True):
+        if sensor != of_depth:
+            kept.append(raised)
+        elif math.isfinite(depth_m[row]):
+            raised = 1.0 if depth_m[row] < CLEAR_M else 0.0 if depth_m[row] > DOWN_M else math.nan
+    return Lift(lift.zero_m, raised), np.array(kept)

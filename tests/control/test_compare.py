@@ -7,17 +7,11 @@ import pytest
 
 from twin.cli import main
 from twin.control import policy
-from twin.control.compare import compare, interval, rows
+from twin.control.compare import compare, rows
 from twin.control.controllers import BASELINES
 from twin.control.trials import ENVIRONMENTS, HELD_OUT, PULL_QUANTITIES, QUANTITIES, TRAINING, drive
 from twin.env.vector import PloughVectorEnv
 from twin.errors import BadInput
-
-
-def test_interval_is_student_s():
-    """Three values: t(0.975, 2) = 4.3027."""
-    low, high = interval(np.array([1.0, 2.0, 3.0]))
-    assert (low, high) == pytest.approx((2.0 - 4.30265 / 3**0.5, 2.0 + 4.30265 / 3**0.5), rel=1e-5)
 
 
 def test_differences_are_paired():

@@ -9,9 +9,9 @@ import pytest
 
 from twin import sensors
 from twin.env import grounds, reward, starts
-from twin.env.fleet import Fleet, GroundFrame, depth_set_m, governor, lift_rad
+from twin.env.fleet import Fleet, GroundFrame, depth_set_m, governor, levers, lift_rad
 from twin.env.instruments import Instruments
-from twin.env.quantities import powers
+from twin.env.quantities import PLACE, TRUE, powers
 from twin.env.starts import APPROACH_S
 from twin.machine.geometry import geometry
 from twin.physics import block
@@ -75,13 +75,10 @@ def test_side_by_side_is_alone_to_the_bit(machine, begin, nthread):
     for action in actions:
         together.drive(action, record=False)
         everything = together.true()
-        terms = reward.terms(everything, 1.4, 0.25, 0.12)
         for i, fleet in enumerate(alone):
             fleet.drive(action[i : i + 1], record=bool(i))
             own = fleet.true()
             assert {k: v[0] for k, v in own.items()} == {k: v[i] for k, v in everything.items()}
-            own_terms = reward.terms(own, 1.4, 0.25, 0.12)
-            assert {k: v[0] for k, v in own_terms.items()} == {k: v[i] for k, v in terms.items()}
 
 
 def test_a_part_put_back_leaves_the_others(machine, begin):
@@ -155,7 +152,7 @@ def test_instruments_see_what_a_whole_run_would(machine, begin):
     records = []
     for _ in range(100):
         records.append(fleet.drive(ACTION, record=True))
-        instruments.advance(records[-1:])
+        instruments.advance(records[-1])
     recorder = Recorder(machine)
     recorder.steps = len(begin.approach)
     rest = recorder.trajectory(records)
@@ -188,7 +185,7 @@ def test_the_approach_leads_to_the_start(machine, begin):
 def test_actions_mean_what_the_table_says(machine):
     numbers = machine.numbers
     idle, top = numbers["engine.idle_rpm"], numbers["engine.no_load_rpm"]
-    set_rpm = idle + governor(machine, np.array([-1.0, 0.0, 1.0])) * (top - idle)
+    set_rpm = idle + governor(np.array([-1.0, 0.0, 1.0]), levers(machine)) * (top - idle)
     np.testing.assert_allclose(set_rpm, [900.0, 1638.0, 2376.0])
     np.testing.assert_allclose(depth_set_m(np.array([-1.0, 1.0])), [-0.10, 0.35])
     sole, axle = numbers["plough.sole_below_hitch_m"], machine.model.body("tractor").pos[2]
@@ -199,29 +196,29 @@ def test_actions_mean_what_the_table_says(machine):
 
 
 def test_efficiency_is_drawbar_power_over_axle_power():
-    true = {
-        "draft_n": np.array([20e3, 0.0, 1e3]),
-        "speed_mps": np.array([1.5, 2.0, 1.0]),
-        "axle_torque_nm": np.array([25e3, 3e3, 0.0]),
-        "axle_radps": np.array([2.0, 2.4, 2.0]),
-    }
-    np.testing.assert_allclose(powers(true)["traction_efficiency"], [0.6, 0.0, 0.0])
+    out = np.zeros((len(TRUE), 3))
+    for name, values in {
+        "draft_n": [20e3, 0.0, 1e3],
+        "speed_mps": [1.5, 2.0, 1.0],
+        "axle_torque_nm": [25e3, 3e3, 0.0],
+        "axle_radps": [2.0, 2.4, 2.0],
+    }.items():
+        out[PLACE[name]] = values
+    powers(np.arange(3), 1e3, out)
+    np.testing.assert_allclose(out[PLACE["traction_efficiency"]], [0.6, 0.0, 0.0])
 
 
 def test_reward_terms_at_and_beside_their_targets():
-    true = {
-        "slip": np.array([0.12, 0.17]),
-        "depth_m": np.array([0.25, 0.22]),
-        "speed_mps": np.array([1e4 / 3600.0 / 1.4, 0.0]),
-        "draft_n": np.zeros(2),
-        "axle_torque_nm": np.zeros(2),
-        "axle_radps": np.zeros(2),
-    }
-    terms = reward.terms(true | powers(true), 1.4, 0.25, 0.12)
-    np.testing.assert_allclose(terms["slip"], [0.25, 0.125])
-    np.testing.assert_allclose(terms["depth"], [0.25, 0.125])
-    np.testing.assert_allclose(terms["work"], [0.30, 0.0])
-    assert sum(reward.WEIGHTS.values()) == pytest.approx(1.0)
+    names = list(reward.PLOUGHING)
+    for speed, slip, depth, expected in (
+        (1e4 / 3600.0 / 1.4, 0.12, 0.25, {"slip": 0.25, "depth": 0.25, "work": 0.30}),
+        (0.0, 0.17, 0.22, {"slip": 0.125, "depth": 0.125, "work": 0.0}),
+    ):
+        rate = reward.work_rate_m2ps(speed, depth, 1.4, 0.25)
+        terms = reward.ploughing(rate, 0.5, slip, depth, 0.12, 0.25)
+        terms = dict(zip(names, terms, strict=True))
+        assert terms == pytest.approx(expected | {"efficiency": 0.1})
+    assert sum(reward.PLOUGHING.values()) == pytest.approx(1.0)
 
 
 def test_nothing_is_compiled_on_reset(truth_env, monkeypatch):

@@ -74,7 +74,7 @@ def test_random_actions_stay_finite_and_inside_the_space(environments):
 
 def test_reward_is_the_sum_of_its_terms_and_never_negative(truth_env):
     for _, value, _, _, info in rolled(truth_env, 8, 150)[1:]:
-        parts = [info[f"reward_{name}"] for name in reward.WEIGHTS]
+        parts = [info[f"reward_{name}"] for name in reward.PLOUGHING]
         assert value == sum(parts)
         assert min(parts) >= 0.0
 
@@ -245,7 +245,7 @@ def test_the_docstring_tables_name_every_entry_with_its_bounds():
     found = [(r[0], float(r[1]), float(r[2])) for r in rows if len(r) == 5 and _is_number(r[1])]
     entries = [(e.name, e.low, e.high) for e in (*ESTIMATE, *SENSORS, *TRUTH, *TASK)]
     assert [row for row in found if not row[0].isdigit()] == entries
-    for name in (*reward.WEIGHTS, *OPTIONS, *INFO):
+    for name in (*reward.PLOUGHING, *OPTIONS, *INFO):
         assert name in PloughEnv.__doc__
 
 

@@ -38,7 +38,7 @@ def test_an_episode_is_recorded_with_tractor_actions_and_reward(name, tmp_path):
         f"{paths.TRACTOR}/tractor", paths.PATH, paths.GROUND, f"{paths.SLIP}/truth",
         f"{paths.SLIP}/seen",
         *(f"{paths.ACTIONS}/{action}" for action in episodes.actions_named),
-        *(f"{paths.REWARD}/{term}" for term in episodes.terms(episodes.fleet.true())),
+        *(f"{paths.REWARD}/{term}" for term in episodes.terms),
     ):  # fmt: skip
         assert f"/{entity}" in said, entity
 

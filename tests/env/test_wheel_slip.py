@@ -13,7 +13,7 @@ from twin.env.observations import (
     TORQUE_TASK,
     TORQUE_TRUTH,
 )  # fmt: skip
-from twin.env.reward import PULLING_WEIGHTS
+from twin.env.reward import PULLING
 from twin.env.torque_fleet import Pulled, draft_n
 from twin.env.wheel_slip import WheelSlipEnv
 from twin.errors import BadInput, UnknownName
@@ -102,10 +102,10 @@ def test_wet_soil_takes_the_front_wheels_grip(pulling):
 
 def test_reward_is_the_sum_of_its_terms_and_never_negative(pulling):
     for _, value, _, _, info in rolled(pulling["truth"], 8, 100)[1:]:
-        parts = [info[f"reward_{name}"] for name in PULLING_WEIGHTS]
+        parts = [info[f"reward_{name}"] for name in PULLING]
         assert value == sum(parts)
         assert min(parts) >= 0.0
-    assert sum(PULLING_WEIGHTS.values()) == pytest.approx(1.0)
+    assert sum(PULLING.values()) == pytest.approx(1.0)
 
 
 def test_what_cannot_be_is_named_and_changes_nothing(pulling):
@@ -135,5 +135,5 @@ def test_the_docstring_tables_name_every_entry_with_its_bounds():
     ]
     entries = (*TORQUE_ESTIMATE, *TORQUE_SENSORS, *TORQUE_TRUTH, *TORQUE_TASK)
     assert found == [(e.name, e.low, e.high) for e in entries]
-    for name in (*PULLING_WEIGHTS, *ROLLED.options):
+    for name in (*PULLING, *ROLLED.options):
         assert name in WheelSlipEnv.__doc__

@@ -2,14 +2,15 @@ import numpy as np
 import pytest
 from example_log import HEADER, MAP, rows, write, write_map
 
+from twin import cli
 from twin.errors import BadInput
 from twin.logs import read
 from twin.streams import check
 
 
-def refusal(path, column_map=None):
+def refusal(path, column_map=None, **options):
     with pytest.raises(BadInput) as caught:
-        read(path, column_map)
+        read(path, column_map, **options)
     message = str(caught.value)
     assert "\n" not in message
     return message
@@ -52,25 +53,52 @@ def test_east_convention_turns_the_other_way(tmp_path):
         (7, "t", "6.0x", ["'t'", "row 7", "'6.0x'"]),
         (7, "t", "", ["'t'", "row 7", "no time"]),
         (7, "t", "nan", ["'t'", "row 7", "no time"]),
-        (7, "t", "inf", ["'t'", "row 7", "inf"]),
+        (7, "t", "inf", ["'t'", "row 7", "'inf' is not a number"]),
         (7, "t", "1e12", ["'t'", "row 7", "unit"]),
         (7, "t", "9" * 400, ["'t'", "row 7"]),
         (7, "t", "5", ["'t'", "row 7", "repeated"]),
         (7, "t", "4.5", ["'t'", "row 7", "out of order"]),
         (7, "v", "fast", ["'v'", "row 7", "'fast'"]),
-        (7, "v", '"2,5"', ["'v'", "row 7", "point"]),
-        (7, "v", "inf", ["'v'", "row 7", "inf"]),
+        (7, "v", '"2,5"', ["'v'", "row 7", "decimal"]),
+        (7, "v", "inf", ["'v'", "row 7", "'inf' is not a number"]),
         (7, "v", "1e308", ["'v'", "row 7", "1e+308"]),
         (7, "v", "200", ["'v'", "row 7", "200 m/s", "unit right"]),
         (7, "lat", "95", ["'lat'", "row 7", "95 deg", "unit right"]),
         (7, "lat", "46.5", ["row 7", "km from the first fix"]),
-        (7, "state", "x" * 100, ["'state'", "row 7", "100"]),
     ],
 )
-def test_a_bad_cell_is_named(tmp_path, row, column, cell, says):
-    message = refusal(bent(tmp_path, row, column, cell), write_map(tmp_path))
+def test_a_bad_cell_is_left_out_and_named_and_refused_where_that_is_asked(
+    tmp_path, row, column, cell, says
+):
+    path, column_map = bent(tmp_path, row, column, cell), write_map(tmp_path)
+    message = refusal(path, column_map, strict=True)
     for part in ["log.csv", *says]:
         assert part in message, message
+    log = read(path, column_map)
+    note = next(note for note in log.notes if note.startswith("1 of 30 rows left out: "))
+    for part in says:
+        assert part in note, note
+    for table in log.streams.tables.values():
+        for values in table.values():
+            assert not np.any(np.abs(np.nan_to_num(values[:, None][:-1])) == np.inf)
+    np.testing.assert_allclose(np.nanmedian(log.streams["gnss"]["v_east_mps"]), 2.0)
+
+
+@pytest.mark.parametrize(("bad", "of", "taken"), [(3, 30, True), (4, 30, False), (9, 900, True)])
+def test_bad_rows_are_left_out_up_to_three_and_up_to_one_percent(tmp_path, bad, of, taken):
+    cells = rows(of)
+    for i in range(bad):
+        cells[2 * i + 1][3] = "fast"
+    path, column_map = write(tmp_path, cells), write_map(tmp_path)
+    if taken:
+        assert any(
+            n.startswith(f"{bad} of {of} rows left out") for n in read(path, column_map).notes
+        )
+        return
+    message = refusal(path, column_map)
+    assert "row 2: 'fast' is not a number; 4 of 30 rows are bad, 1% may be" in message
+    text = MAP.replace("[log]", "[log]\nbad_rows = 0.2")
+    assert read(path, write_map(tmp_path, text)).streams
 
 
 def test_a_missing_value_is_nan_and_a_missing_sensor_row_is_left_out(tmp_path):
@@ -107,11 +135,10 @@ def test_speeds_no_tractor_has(tmp_path):
         (b"", "empty"),
         (b" \n\n", "empty"),
         (HEADER.encode() + b"\n", "no rows"),
-        (bytes(range(256)) * 20, "UTF-8"),
-        (b"\xff\xfe" + HEADER.encode("utf-16-le"), "UTF-8"),
+        (bytes(range(256)) * 20, "not a text file"),
+        (b"\xff\xfe" + HEADER.encode("utf-16-le"), "no rows"),
         (b"PAR1" + bytes(100), "Parquet"),
         (b"t,t\n1,2\n", "two columns"),
-        (b"t,lat\n1,2\n1\n", "row 2 has 1 cells"),
         (b"x\n1\n2\n", "no column is called 't'"),
     ],
 )
@@ -171,3 +198,23 @@ def test_a_reference_keeps_its_rows(tmp_path):
     log = read(write(tmp_path), write_map(tmp_path, text))
     np.testing.assert_allclose(log.reference["slip"], 0.075)
     assert log.reference["epoch_ns"].dtype == np.int64
+
+
+def test_the_command_exports_what_it_estimated(tmp_path, capsys):
+    path, columns = write(tmp_path), write_map(tmp_path)
+    words = ["estimate", str(path), "--map", str(columns), "--estimators", "ratio"]
+    out = ["--out", str(tmp_path / "out"), "--csv", str(tmp_path / "estimates.csv")]
+    assert cli.main([*words, *out]) == 0
+    assert "estimates.csv: time_s is in seconds of the log's own clock" in capsys.readouterr().out
+    header, first, *_ = (tmp_path / "estimates.csv").read_text().splitlines()
+    assert header.startswith('"time_s","estimator",')
+    assert "slip_percent" in header
+    assert first.startswith('0,"ratio",')
+
+
+def test_a_place_that_takes_no_csv_is_refused_before_the_work(tmp_path, capsys):
+    path, columns = write(tmp_path), write_map(tmp_path)
+    words = ["estimate", str(path), "--map", str(columns), "--out", str(tmp_path / "out")]
+    assert cli.main([*words, "--csv", str(tmp_path / "none" / "e.csv")]) == 2
+    assert "--csv" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from twin.logs.geodesy import ecef_m, enu_m
+from twin.logs.geodesy import ecef_m, enu_m, geodetic_rad
 
 
 def test_ecef_of_known_places():
@@ -38,3 +38,10 @@ def test_distance_is_that_of_ecef():
     xyz = ecef_m(lat, lon, h)
     apart = np.linalg.norm(xyz - xyz[0], axis=1)
     np.testing.assert_allclose(np.linalg.norm(enu, axis=1), apart, rtol=1e-9, atol=1e-8)
+
+
+@pytest.mark.parametrize("place_m", [(0.0, 0.0, 0.0), (300.0, -200.0, 5.0), (-9e3, 4e3, -20.0)])
+def test_geodetic_undoes_the_tangent_plane(place_m):
+    origin = (*np.radians((45.35, 11.95)), 20.0)
+    again = enu_m(*geodetic_rad(*map(np.asarray, place_m), origin), origin)
+    np.testing.assert_allclose(again, place_m, atol=1e-5)

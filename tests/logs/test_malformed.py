@@ -1,21 +1,29 @@
 """Whatever is thrown at `read`: a Log that obeys the contract, or one line of BadInput."""
 
-import itertools
 import tempfile
 from pathlib import Path
 
 from example_log import HEADER, MAP, rows
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from nmea_lines import checksum
 
 from twin.errors import BadInput
 from twin.logs import read
-from twin.logs.nmea import checksum
 from twin.streams import check
 
 MODEST = settings(
     max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
 )
+
+
+def longest_rise(order: list[int]) -> list[int]:
+    """A longest strictly rising part, by trying."""
+    best: list[list[int]] = [[]]
+    for i, value in enumerate(order):
+        before = [b for b in best if not b or b[-1] < value]
+        best = [*best, [*max(before, key=len), value]] if i < 12 else best
+    return max(best, key=len)
 
 
 def read_or_refuse(log: bytes, column_map: bytes | None, name: str = "log.csv") -> bool:
@@ -95,8 +103,10 @@ def test_bytes_cut_and_put_in(at, cut, put):
 def test_rows_shuffled_repeated_and_left_out(order):
     table = rows(12)
     text = "\n".join([HEADER, *(",".join(table[i]) for i in order)])
-    increasing = all(a < b for a, b in itertools.pairwise(order))
-    assert read_or_refuse(text.encode(), MAP.encode()) == increasing
+    read = read_or_refuse(text.encode(), MAP.encode())
+    rising = max(len(kept) for n in range(len(order), -1, -1) for kept in [longest_rise(order)])
+    if len(order) > 1:
+        assert read == (len(order) - rising <= 3)
 
 
 @MODEST

@@ -95,7 +95,7 @@ def test_a_gap_of_a_signal_is_not_bridged(tmp_path):
         ({"v_gnss": Signal(np.zeros((3, 2)))}, r"'v_gnss' has shape \(3, 2\)"),
         ({"v_gnss": Signal(np.zeros(3), np.arange(3.0))}, "epoch_ns is float64"),
         ({"v_gnss": Signal(np.zeros(3), np.arange(2))}, r"int64 of shape \(3,\) will do"),
-        ({"v_gnss": Signal(np.zeros(3), np.array([0, 2, 1]))}, "out of order"),
+        ({"v_gnss": Signal(np.zeros(9), np.arange(9)[::-1].copy())}, "out of order"),
         ({"v_gnss": Signal(np.zeros(3), np.array([0, 1, 2**62 + 1]))}, "146 years"),
         ({"v_gnss": Signal(np.zeros(3))}, r"has no \[log\] time"),
         ({"v_gnss": Signal(np.full(20, 99.0), signals()["v_gnss"].epoch_ns)}, "no tractor's speed"),
@@ -130,11 +130,20 @@ def test_a_reader_may_bring_its_own_map_and_the_user_the_set_up(tmp_path):
 
 
 def test_the_twins_own_stand_in_one_registry(tmp_path):
-    assert list(READERS) == ["run-folder", "parquet", "nmea", "csv"]
-    (tmp_path / "a.csv").write_text("$ is the first column\n1\n")
+    assert list(READERS) == [
+        "bag",
+        "run-folder",
+        "parquet",
+        "mat",
+        "ubx",
+        "can",
+        "nmea",
+        "csv",
+    ]
+    (tmp_path / "a.csv").write_text("$ is the first column,b\n1,2\n")
     (tmp_path / "map.toml").write_text('[log]\ntime = {column = "t", unit = "s"}\n')
-    with pytest.raises(BadInput, match="NMEA 0183 names its own"):
-        read(tmp_path / "a.csv", tmp_path / "map.toml")
+    with pytest.raises(BadInput, match="no GGA or RMC"):
+        read(tmp_path / "a.csv", tmp_path / "map.toml", reader("nmea"))
     with pytest.raises(BadInput, match="no column is called 't'"):
         read(tmp_path / "a.csv", tmp_path / "map.toml", reader("csv"))
     with pytest.raises(UnknownName, match="did you mean 'csv'"):

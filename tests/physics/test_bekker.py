@@ -13,8 +13,11 @@ from tests.physics.arcs import SOILS, Arc, rigid_wheel, sinking
 from tests.physics.blocks import wheel
 from twin.physics.bekker import bekker, bulldozing_n, circle, drift, sine_cosine
 from twin.physics.block import Soil, Wheel
+from twin.physics.laws import law_number
 from twin.physics.tyre import relaxed_shear
 
+LAW = law_number("bekker")
+"""Of no other use here: the law is compiled where it is asked for by its number."""
 LOADS_N = (2e3, 5e3, 10e3)
 
 

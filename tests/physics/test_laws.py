@@ -50,6 +50,7 @@ def module(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("number", "law"), [(0.0, brixius), (1.0, bekker)])
 def test_the_number_in_the_block_chooses_the_law(number, law):
+    assert law_number(law.__name__) == number
     ground = sinking(*SOILS["C"], law=number, cone_index_kpa=1000.0, slip_rate=7.5)
     ground[Soil.MOBILITY_RESISTANCE] = 1.0
     for load, slip, side in POINTS:

@@ -1,7 +1,5 @@
 """Means, intervals and paired differences over seeds."""
 
-import math
-
 import numpy as np
 import pytest
 from matplotlib.text import Text
@@ -18,20 +16,6 @@ def row(seed, estimator, rmse, error=None, scenario="s", friction=0.6):
         "scenario": scenario, "seed": seed, "soil.friction": friction, "estimator": estimator,
         "error": error, "ended": "course driven", "slip.rmse": rmse, "sideslip_m.true_m": None,
     }  # fmt: skip
-
-
-def test_the_interval_holds_the_mean_in_95_percent_of_studies():
-    held = 0
-    for _ in range(2000):
-        found = summary.mean(RNG.normal(3.0, 2.0, 5))
-        held += found.low <= 3.0 <= found.high
-    assert 0.935 < held / 2000 < 0.965  # three sd of a binomial
-
-
-def test_of_one_value_the_interval_is_unknown_and_of_none_all_is():
-    assert summary.mean([2.0]).mean == 2.0
-    assert math.isnan(summary.mean([2.0]).low)
-    assert math.isnan(summary.mean([]).mean)
 
 
 def test_groups_differ_in_all_but_the_seed():

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.random import SeedSequence
 from numpy.typing import NDArray
 
-from twin.compute.compiled import law as pixel_loop
+from twin.compute.compiled import pixel_loop
 
 _X, _Y = np.uint32(0x8DA6B343), np.uint32(0xD8163841)
 _A, _B = np.uint32(0x7FEB352D), np.uint32(0x846CA68B)

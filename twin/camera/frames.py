@@ -37,7 +37,7 @@ class Film:
 
     @cached_property
     def renderer(self) -> Renderer:
-        """Made when the first frame is asked for: its window of ground is 64 MB."""
+        """What draws the frames; made at the first one, as its ground texture takes 64 MB."""
         return self.drawn_by or planar(self.lens, self.seed, self.height_m)
 
     def frame(self, number: int, view: View) -> Image:

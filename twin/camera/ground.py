@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.camera.soil_texture import TEXEL_M, TILE, texture_keys, tile
-from twin.compute.compiled import law as pixel_loop
+from twin.compute.compiled import pixel_loop
 from twin.errors import OutOfRange
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from twin.camera.ground import SIDE, Ground, cover, ground, place
 from twin.camera.pinhole import Array, Pinhole, View, exposed, ground_points
 from twin.camera.soil_texture import TILE
-from twin.compute.compiled import law as pixel_loop
+from twin.compute.compiled import pixel_loop
 
 SUBFRAME_PX = 2.5
 """Longest path of the picture between two parts of an exposure [px]; a texel's and a pixel's width

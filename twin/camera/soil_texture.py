@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.camera.chance import keys, mixed, node, uniform
-from twin.compute.compiled import law as pixel_loop
+from twin.compute.compiled import pixel_loop
 
 Bytes = NDArray[np.uint8]
 Floats = NDArray[np.float32]
@@ -95,14 +95,26 @@ def add_noise(out: Floats, key: np.uint32, x0: int, y0: int, shift: int, sd: np.
     scale = np.float32(sd * math.sqrt(12.0) / 0.4794)
     across = np.empty((rows, n), np.float32)
     nodes = np.empty(columns, np.float32)
+    first, weights = np.empty(n, np.int32), np.empty((4, n), np.float32)
+    for c in range(n):
+        x = x0 + c
+        first[c] = (x >> shift) - 1 - i0
+        weights[0, c], weights[1, c], weights[2, c], weights[3, c] = _spline(
+            np.float32(x & mask) * step
+        )
+    w0, w1, w2, w3 = weights[0], weights[1], weights[2], weights[3]
     for j in range(rows):
         for i in range(columns):
             nodes[i] = (uniform(node(key, i0 + i, j0 + j)) - np.float32(0.5)) * scale
+        line = across[j]
         for c in range(n):
-            x = x0 + c
-            i = (x >> shift) - 1 - i0
-            a, b, d, e = _spline(np.float32(x & mask) * step)
-            across[j, c] = a * nodes[i] + b * nodes[i + 1] + d * nodes[i + 2] + e * nodes[i + 3]
+            i = first[c]
+            line[c] = (
+                w0[c] * nodes[i]
+                + w1[c] * nodes[i + 1]
+                + w2[c] * nodes[i + 2]
+                + w3[c] * nodes[i + 3]
+            )
     for r in range(n):
         y = y0 + r
         j = (y >> shift) - 1 - j0
@@ -179,16 +191,19 @@ def _add_clod(
     ragged = np.float32(1.7 / rise_mm)
     shade = np.float32(0.05 * (uniform(h1 ^ h2) - 0.5))
     reach = math.ceil(math.sqrt(1.0 + _RAGGED) * radius)
+    none, most = np.float32(0.0), np.float32(_RAGGED)
+    first, last = max(0, int(cx) - reach), min(n, int(cx) + reach + 1)
     for r in range(max(0, int(cy) - reach), min(n, int(cy) + reach + 1)):
-        for c in range(max(0, int(cx) - reach), min(n, int(cx) + reach + 1)):
-            dx, dy = np.float32(c - cx), np.float32(r - cy)
+        dy = np.float32(r - cy)
+        heights, shades, bump = height[r, first:last], reflects[r, first:last], bumps[r, first:last]
+        for c in range(last - first):  # without a branch, so that it becomes vector code
+            dx = np.float32(np.int32(first + c) - cx)
             along, aside = (cos * dx + sin * dy), (cos * dy - sin * dx) * long
-            rim = min(max(ragged * bumps[r, c], np.float32(-_RAGGED)), np.float32(_RAGGED))
+            rim = min(max(ragged * bump[c], -most), most)
             room = np.float32(1.0) - along * along - aside * aside + rim
-            if room > np.float32(0.0):
-                dome = min(np.float32(1.6) * room, np.float32(0.4) + np.float32(0.6) * room)
-                height[r, c] += rise_mm * dome
-                reflects[r, c] += shade
+            dome = min(np.float32(1.6) * room, np.float32(0.4) + np.float32(0.6) * room)
+            heights[c] += rise_mm * dome if room > none else none
+            shades[c] += shade if room > none else none
 
 
 @pixel_loop

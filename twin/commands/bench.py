@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
 from twin.commands.tables import Column, print_table
 from twin.commands.terminal import waiting
+from twin.errors import BadInput
 from twin.io.plain import Plain
+from twin.io.result_rows import Rows
 
 RANKS = {"published": 0, "reference": 2, "low": 3, "high": 3, "unit": 1, "passed": 0}
 """Column of a row -> its rank: the greatest is left out first, 0 never."""
@@ -21,20 +24,41 @@ class Bench(Output):
 
     machine: str | None = None
     """Measure the physics step of this machine, a name or a file, and nothing else."""
+    against: Path | None = None
+    """Another checkout's folder: compare CPU times of commands in fresh processes, in turn."""
+    cases: str = ""
+    """With --against: which cases, separated by commas; all of them when empty."""
+    rounds: int = 3
+    """With --against: measurements of each case in each checkout."""
 
 
 def main(args: Sequence[str]) -> int:
     """Measure, print, and write the rows where asked."""
     options = parse(Bench, args, prog="twin bench")
     check_files(json=options.json)
-    from twin.bench import bench
-
+    if options.rounds < 1:
+        raise BadInput(f"rounds = {options.rounds} is too few; 1 or more")
     with waiting("measuring", shown=options.talks):
-        measured = bench.rows() if options.machine is None else bench.step_rows(options.machine)
+        measured = _measured(options)
     if options.talks:
         print_rows(measured)
     deliver(measured, options.json)
     return 0
+
+
+def _measured(options: Bench) -> Rows:
+    if options.against is None:
+        if options.cases:
+            raise BadInput("--cases would not be read: it needs --against")
+        from twin.bench import bench
+
+        return bench.rows() if options.machine is None else bench.step_rows(options.machine)
+    if options.machine is not None:
+        raise BadInput("--machine would not be read: it needs no --against")
+    from twin.bench import against
+
+    cases = [case for case in options.cases.split(",") if case]
+    return against.rows(options.against, cases, options.rounds)
 
 
 def print_rows(measured: Sequence[Mapping[str, Plain]]) -> None:

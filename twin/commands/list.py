@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-from twin.commands.parse import parse
 from twin.commands.terminal import say
 
 
@@ -25,7 +24,7 @@ def main(args: Sequence[str]) -> int:
     """Print every name with its description."""
     import estimators
 
-    options = parse(List, args, prog="twin list")
+    options = _read(args)
     groups = everything()
     if options.json:
         print(json.dumps(groups, indent=2))
@@ -37,6 +36,15 @@ def main(args: Sequence[str]) -> int:
         for group, names in estimators.GROUPS.items():
             _print(f"estimators, {group}", {name: entries[name] for name in names})
     return 0
+
+
+def _read(args: Sequence[str]) -> List:
+    """The options; tyro is loaded only where there are others than `--json`."""
+    if set(args) <= {"--json"}:
+        return List(json=bool(args))
+    from twin.commands.parse import parse
+
+    return parse(List, args, prog="twin list")
 
 
 def _print(title: str, entries: Mapping[str, str]) -> None:

@@ -92,12 +92,6 @@ def parse(kind: type[T], args: Sequence[str], *, prog: str) -> T:
         raise BadInput(str(error)) from None
 
 
-def named_fields(args: Sequence[str]) -> frozenset[str]:
-    """Fields that arguments name: `--soil.cone-index-kpa 800` names soil.cone_index_kpa."""
-    options = (arg.removeprefix("--") for arg in args if arg.startswith("--"))
-    return frozenset(option.partition("=")[0].replace("-", "_") for option in options)
-
-
 def _with_stdout(kind: type, args: Sequence[str]) -> list[str]:
     """Arguments with `-` after a `--json` that may name a file and does not."""
     given = list(args)

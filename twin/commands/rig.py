@@ -15,14 +15,13 @@ import numpy as np
 
 from twin.commands.measured import Measured, Told, print_columns
 from twin.commands.output import check_folder
-from twin.commands.parse import named_fields, parse
+from twin.commands.overrides import named_fields
+from twin.commands.parse import parse
 from twin.commands.terminal import say, waiting
 from twin.errors import BadInput, UnknownName, check_range
 from twin.io.plain import Plain
-from twin.rig.gears import SPEEDS_KMH
-from twin.rig.park import PARKED_S
+from twin.rig.defaults import PARKED_S, SPEED_MPS, SPEEDS_KMH
 from twin.rig.tyre import Tyre
-from twin.rig.wheel import SPEED_MPS
 from twin.scenario import Drive, Scenario, Soil
 from twin.streams import ZERO_SLIPS
 from twin.vehicle.files import USUAL

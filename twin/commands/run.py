@@ -12,22 +12,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
-import tyro
-
 from twin.commands.output import check_folder
-from twin.commands.parse import named_fields, parse
-from twin.commands.score_table import print_scores
 from twin.commands.terminal import progress, say
 from twin.errors import BadInput
 from twin.io.atomic import moved_when_complete
 from twin.pipeline import named as registry
 from twin.pipeline import public
-from twin.plugins.lookup import Thing
 
 if TYPE_CHECKING:
     from twin.pipeline.estimating import Estimator
     from twin.pipeline.result import Result
+    from twin.plugins.lookup import Thing
 
 DEFAULT_ESTIMATORS = ",".join(public.DEFAULT_ESTIMATORS)
 
@@ -57,9 +52,12 @@ class Options:
 def main(args: Sequence[str]) -> int:
     """Run a scenario by name. Options and overrides follow the name."""
     name, rest = _split(args)
-    default = registry.load("scenario", name)
-    options = parse(_with_overrides(default), rest, prog=f"twin run {name}")
-    scenario: Thing = options.scenario  # type: ignore[attr-defined]
+    default, prog = registry.load("scenario", name), f"twin run {name}"
+    from twin.commands.overrides import named_fields, read
+
+    if {"-h", "--help"} & set(rest):
+        _help(prog, default)
+    options, scenario = read(Options(), default, rest, prog=prog)
     command = f"twin run {shlex.join(args)}"
     result, directory = execute(scenario, options, command, named_fields(rest))
     if options.view:
@@ -144,15 +142,24 @@ def load_estimators(names: str) -> dict[str, Estimator]:
 
 def _split(args: Sequence[str]) -> tuple[str, Sequence[str]]:
     if args and args[0] in ("-h", "--help"):
-        parse(Options, ["--help"], prog="twin run NAME")
+        _help("twin run NAME")
     if not args or args[0].startswith("-"):
         known = ", ".join(registry.names("scenario"))
         raise BadInput(f"twin run needs the name of a scenario first; there are: {known}")
     return args[0], args[1:]
 
 
-def _with_overrides(default: Any) -> type[Options]:
+def _help(prog: str, default: Any = None) -> None:
+    """Print the options, and every field of a scenario with its value; then leave."""
+    from twin.commands.parse import parse
+
+    parse(Options if default is None else _with_fields(default), ["--help"], prog=prog)
+
+
+def _with_fields(default: Any) -> type[Options]:
     """Options and every field of the scenario, whose defaults are the named scenario's values."""
+    import tyro
+
     fields = dataclasses.field(default=default)
     kind: Any = type(default)
     annotation = Annotated[kind, tyro.conf.arg(name="")]  # fields stand at the top level
@@ -170,6 +177,10 @@ def _say(result: Result, directory: Path, options: Options) -> None:
     if options.json:
         print(json.dumps(result.scores, indent=2))
     elif not options.quiet:
+        import numpy as np
+
+        from twin.commands.score_table import print_scores
+
         print_scores(result.scores)
         for note in result.notes:
             say(f"note: {note}", style="dim")

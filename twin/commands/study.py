@@ -19,17 +19,15 @@ import tyro
 from twin.commands.output import Output, check_files, check_folder, deliver
 from twin.commands.parse import parse
 from twin.commands.run import DEFAULT_ESTIMATORS
-from twin.commands.tables import Column, print_table
 from twin.commands.terminal import progress, say
 from twin.errors import BadInput, check_range
 from twin.io.plain import Plain
 from twin.pipeline import named as registry
 from twin.plugins.lookup import Thing
 from twin.scores.table import COVERAGE
-from twin.studies.study import PARTS, PLAN, SUMMARY, TABLE, begin, finished
-from twin.studies.summary import differences_to, mean_of
 
 if TYPE_CHECKING:
+    from twin.commands.tables import Column
     from twin.studies.study import Study as Done
     from twin.studies.summary import Group
 
@@ -106,31 +104,46 @@ def main(args: Sequence[str]) -> int:
         )
     check_files(json=options.json)
     check_folder("figures", options.figures)
-    from twin import studies as study
+    scenarios = [registry.load("scenario", name) for name in names]  # unknown ones refused first
+    from twin import studies
+    from twin.studies.study import PARTS, study
 
     estimators = _listed("--estimators", options.estimators)
     if options.against is not None and options.against not in estimators:
         raise BadInput(f"--against {options.against} is not among --estimators")
     own = ((n, getattr(options, n)) for n in ("machine", "implement"))
     fixed = [f"{name}={value}" for name, value in own if value is not None]
-    sweeps = read_sweeps([*fixed, *options.sweep], registry.load("scenario", names[0]))
+    sweeps = read_sweeps([*fixed, *options.sweep], scenarios[0])
     seeds = range(options.first_seed, options.first_seed + options.seeds)
-    cases = study.plan(names, seeds, estimators, sweeps)
+    cases = studies.plan(names, seeds, estimators, sweeps)
     if options.talks:
-        for text in study.left_out(names, sweeps):
+        for text in studies.left_out(names, sweeps):
             say(f"left out: {text}", style="dim")
     plain = "+".join(re.sub(r"[:/\\]+", "-", name).strip("-") for name in names)
     folder = options.out or Path("studies") / plain
-    begin(folder, list(args))
+    backend_options = [text.partition("=") for text in options.backend_option]
     try:
         with progress(f"{len(cases)} runs", shown=options.talks) as told:
-            _work(cases, folder, options, told)
+            done = study(
+                names,
+                estimators,
+                out=folder,
+                seeds=seeds,
+                sweeps=sweeps,
+                against=options.against,
+                jobs=options.jobs,
+                backend=options.backend,
+                options={name: value for name, _, value in backend_options},
+                retry_failed=options.retry_failed,
+                asked=list(args),
+                progress=told,
+            )
     except KeyboardInterrupt:
-        left = len(study.missing(cases, folder / PARTS))
-        done = f"{len(cases) - left} of {len(cases)} runs are in {folder}"
-        say(f"twin: interrupted; {done}, the same command continues the study", stderr=True)
+        left = len(studies.missing(cases, folder / PARTS))
+        there = f"{len(cases) - left} of {len(cases)} runs are in {folder}"
+        say(f"twin: interrupted; {there}, the same command continues the study", stderr=True)
         return INTERRUPTED
-    _finish(cases, folder, list(sweeps), options)
+    _finish(done, options)
     return 0
 
 
@@ -182,25 +195,10 @@ def _split(args: Sequence[str]) -> tuple[list[str], Sequence[str]]:
     return _listed("twin study", args[0]), args[1:]
 
 
-def _work(cases: Sequence[Any], folder: Path, options: Study, told: Any) -> None:
-    from twin import studies as study
+def _finish(done: Done, options: Study) -> None:
+    from twin.studies.study import SUMMARY, TABLE
 
-    if options.retry_failed:
-        for path in study.failed(cases, folder / PARTS):
-            path.unlink()
-    pairs = [text.partition("=") for text in options.backend_option]
-    study.work(
-        cases,
-        folder / PARTS,
-        jobs=options.jobs,
-        backend=options.backend,
-        options={name: value for name, _, value in pairs},
-        progress=told,
-    )
-
-
-def _finish(cases: Sequence[Any], folder: Path, swept: list[str], options: Study) -> None:
-    done = finished(cases, folder, swept, options.against)
+    folder = done.folder
     deliver(done.summary, options.json)
     early = done.not_driven
     drawn = [*_draw(done.groups, folder, options.figures), *_report(done, options.against)]
@@ -211,17 +209,18 @@ def _finish(cases: Sequence[Any], folder: Path, swept: list[str], options: Study
     for text in dict.fromkeys(f"{r['scenario']}, {r['estimator']}: {r['error']}" for r in failed):
         say(f"failed: {text}", style="dim")
     for text in early[:EARLY_SHOWN]:
-        say(f"not driven: {text}", style="red")
+        say(f"ended early: {text}", style="red")
     if len(early) > EARLY_SHOWN:
         say(f"and {len(early) - EARLY_SHOWN} more, in {TABLE}", style="red")
     files = ", ".join(str(folder / name) for name in (TABLE, SUMMARY, *drawn))
-    say(f"{len(cases)} runs; {files}")
+    say(f"{len(done.cases)} runs; {files}")
 
 
 def _report(done: Done, against: str | None) -> list[str]:
     """The page of the scores that are shown, and of their paired differences."""
     from twin.report import rows
     from twin.report.palette import colours
+    from twin.studies.study import PLAN
 
     folder = done.folder
     shown = [
@@ -285,6 +284,8 @@ def print_means(groups: Sequence[Group], against: str | None = None) -> None:
 
     Beside a quantity's mean stands the mean difference to the estimator `against`, seed by seed.
     """
+    from twin.commands.tables import Column, print_table
+
     columns = [
         Column(heading="setting", cells=[group.setting for group in groups], text=True),
         Column(heading="estimator", cells=[group.estimator for group in groups], text=True),
@@ -292,7 +293,7 @@ def print_means(groups: Sequence[Group], against: str | None = None) -> None:
     ]
     for heading, counted in (
         ("failed", [group.failed for group in groups]),
-        ("not driven", [group.not_driven for group in groups]),
+        ("ended early", [group.not_driven for group in groups]),
     ):
         if any(counted):
             columns.append(Column(heading=heading, cells=[str(n or "") for n in counted]))
@@ -305,6 +306,9 @@ def print_means(groups: Sequence[Group], against: str | None = None) -> None:
 
 def _mean_columns(groups: Sequence[Group], quantity: str, against: str | None) -> list[Column]:
     """The column of a quantity, and that of its difference."""
+    from twin.commands.tables import Column
+    from twin.studies.summary import differences_to, mean_of
+
     heading, scale, rank = SHOWN[quantity]
     means = [mean_of(group, quantity) for group in groups]
     columns = [Column(heading=heading, cells=[_cell(m, scale) for m in means], rank=rank)]

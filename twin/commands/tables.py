@@ -9,11 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rich import box
-from rich.cells import cell_len
-from rich.table import Table
-from rich.text import Text
-
 from twin.commands.terminal import console, say
 
 GAP = 2
@@ -36,20 +31,20 @@ class Column:
     @property
     def widest(self) -> int:
         """Width in which nothing breaks."""
-        return max(map(cell_len, (self.heading, *self.cells)))
+        return max(map(_cells, (self.heading, *self.cells)))
 
     @property
     def narrowest(self) -> int:
         """Width in which no word and no number breaks."""
         words = [word for cell in (self.heading, *self.cells) for word in cell.split()]
-        return max(map(cell_len, words), default=0)
+        return max(map(_cells, words), default=0)
 
     @property
     def needed(self) -> int:
-        """Width below which another column is left out instead."""
+        """Least width [characters]; where those of all columns do not fit, a column is left out."""
         if self.text:
             return max(self.narrowest, min(self.widest, COMFORTABLE))
-        return max(map(cell_len, (*self.heading.split(), *self.cells)))
+        return max(map(_cells, (*self.heading.split(), *self.cells)))
 
 
 def fit(columns: Sequence[Column], width: int) -> tuple[list[Column], list[int]]:
@@ -71,6 +66,10 @@ def fit(columns: Sequence[Column], width: int) -> tuple[list[Column], list[int]]
 
 def print_table(columns: Sequence[Column]) -> None:
     """Print what fits, and say which columns do not."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
     out = console()
     kept, widths = fit(columns, out.width)
     table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, GAP - 1, 0, 0))
@@ -84,6 +83,13 @@ def print_table(columns: Sequence[Column]) -> None:
     left_out = [column.heading for column in columns if column not in kept]
     if left_out:
         say(f"left out to fit {columns_of_terminal} columns: {', '.join(left_out)}", style="dim")
+
+
+def _cells(text: str) -> int:
+    """How many places of a terminal a text takes."""
+    from rich.cells import cell_len
+
+    return cell_len(text)
 
 
 def _widened(widths: Sequence[int], wanted: Sequence[int], width: int) -> list[int]:

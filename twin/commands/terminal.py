@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import os
+import sys
 import textwrap
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol
 
-from rich.console import Console
-
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from twin.compute.parallel import Told
 
 _UNLIMITED = 10_000
@@ -20,12 +21,22 @@ _UNLIMITED = 10_000
 
 def console(*, stderr: bool = False) -> Console:
     """A console as wide as its terminal, or as COLUMNS says; a file or a pipe has no width."""
+    from rich.console import Console
+
     out = Console(stderr=stderr)
-    if out.is_terminal:
-        return out
+    return out if out.is_terminal else Console(stderr=stderr, width=_columns(), no_color=True)
+
+
+def _plain(*, stderr: bool) -> bool:
+    """Whether lines need no width and no colour, so that rich, which is slow to load, is not."""
+    stream = sys.stderr if stderr else sys.stdout
+    return not (stream.isatty() or {"FORCE_COLOR", "TTY_COMPATIBLE"} & set(os.environ))
+
+
+def _columns() -> int:
+    """Width of a file or a pipe."""
     columns = os.environ.get("COLUMNS", "")
-    width = int(columns) if columns.isdigit() and int(columns) > 0 else _UNLIMITED
-    return Console(stderr=stderr, width=width, no_color=True)
+    return int(columns) if columns.isdigit() and int(columns) > 0 else _UNLIMITED
 
 
 def say(line: str, *, style: str = "", stderr: bool = False, indent: int = 0) -> None:
@@ -37,13 +48,19 @@ def say(line: str, *, style: str = "", stderr: bool = False, indent: int = 0) ->
         stderr: print it there.
         indent: spaces before all but the first of the broken line's parts.
     """
-    out = console(stderr=stderr)
+    plain = _plain(stderr=stderr)
+    width = _columns() if plain else console(stderr=stderr).width
     parts = textwrap.wrap(
-        line, out.width, break_long_words=False, break_on_hyphens=False,
+        line, width, break_long_words=False, break_on_hyphens=False,
         subsequent_indent=" " * indent, drop_whitespace=True,
     )  # fmt: skip
     for part in parts or [""]:
-        out.print(part, style=style, highlight=False, markup=False, soft_wrap=True)
+        if plain:
+            print(part, file=sys.stderr if stderr else sys.stdout)
+        else:
+            console(stderr=stderr).print(
+                part, style=style, highlight=False, markup=False, soft_wrap=True
+            )
 
 
 class Tell(Protocol):
@@ -92,8 +109,7 @@ def counting(label: str, what: str, *, shown: bool) -> Iterator[Told]:
 @contextmanager
 def waiting(label: str, *, shown: bool) -> Iterator[None]:
     """A sign of activity; silent off a terminal."""
-    err = console(stderr=True)
-    if not (shown and err.is_terminal):
+    if not shown or _plain(stderr=True) or not (err := console(stderr=True)).is_terminal:
         yield
         return
     with err.status(label):
@@ -103,8 +119,7 @@ def waiting(label: str, *, shown: bool) -> Iterator[None]:
 @contextmanager
 def _bar(label: str, *, shown: bool) -> Iterator[tuple[Any, Any]]:
     """rich's bar and its one task, gone when done; None off a terminal."""
-    err = console(stderr=True)
-    if not (shown and err.is_terminal):
+    if not shown or _plain(stderr=True) or not (err := console(stderr=True)).is_terminal:
         yield None, None
         return
     from rich.progress import (

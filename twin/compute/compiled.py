@@ -29,6 +29,7 @@ from numba.core.ccallback import CFunc
 from numba.core.sigutils import normalize_signature
 
 from twin.compute import waiting
+from twin.compute.kernel import Kernel, without_collection
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -61,7 +62,15 @@ def inlined(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def law(function: Callable[P, R]) -> Callable[P, R]:
-    """`compiled`, but a division by zero is inf or NaN: nothing can be raised inside MuJoCo."""
+    """`compiled`, but a division by zero is inf or NaN: nothing can be raised inside MuJoCo.
+
+    A law makes no array; arrays are not counted, which is a part of what is compiled.
+    """
+    return _njit(function, error_model="numpy", _nrt=False)
+
+
+def pixel_loop(function: Callable[P, R]) -> Callable[P, R]:
+    """`compiled`, but a division by zero is inf or NaN, which a loop over pixels has time for."""
     return _njit(function, error_model="numpy")
 
 
@@ -70,7 +79,7 @@ def inlined_law(function: Callable[P, R]) -> Callable[P, R]:
 
     Calls with arrays and tuples cost tens of nanoseconds, a twentieth of the physics step together.
     """
-    return _njit(function, error_model="numpy", forceinline=True)
+    return _njit(function, error_model="numpy", _nrt=False, forceinline=True)
 
 
 def c_callback(signature: Untyped) -> Callable[[Function], Untyped]:
@@ -80,7 +89,8 @@ def c_callback(signature: Untyped) -> Callable[[Function], Untyped]:
         options = {"error_model": "numpy"}
         made = CFunc(function, normalize_signature(signature), locals={}, options=options)
         _keep(made, function)
-        made.compile()
+        with without_collection():
+            made.compile()
         return made
 
     return build
@@ -165,7 +175,7 @@ def _delete_unused(base: Path) -> None:
                 shutil.rmtree(old)
 
 
-def _is_edited(file: Path) -> bool:
+def is_edited(file: Path) -> bool:
     """Whether a source was written since this process began, so that either form may be loaded."""
     try:
         return any(source.stat().st_mtime > STARTED_S for source in sources(file))
@@ -218,7 +228,9 @@ class _Cache(FunctionCache):  # type: ignore[misc]
 
 
 def _njit(function: Callable[P, R], **options: Untyped) -> Callable[P, R]:
-    made = numba.njit(nogil=True, **options)(function)
+    if numba.config.DISABLE_JIT:
+        return function
+    made = Kernel(function, targetoptions={"nopython": True, "nogil": True, **options})
     _keep(made, function)
     dispatcher: Callable[P, R] = made
     return dispatcher
@@ -227,6 +239,6 @@ def _njit(function: Callable[P, R], **options: Untyped) -> Callable[P, R]:
 def _keep(made: Untyped, function: Function) -> None:
     """Let numba look for machine code, and keep it, in the folder of the function's file."""
     file = Path(function.__code__.co_filename)
-    if folder(file) is not None and not _is_edited(file):
+    if folder(file) is not None and not is_edited(file):
         with suppress(RuntimeError):  # the folder could be written a moment ago
             made._cache = _Cache(function)

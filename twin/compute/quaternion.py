@@ -1,7 +1,7 @@
 """Rotations as unit quaternions wxyz, from the body to the world.
 
-Functions of the components w, x, y, z are elementwise: of numbers, of arrays of one shape, and of
-compiled code that wraps them. Plain numpy, so that reading this module costs nothing.
+Functions of the components w, x, y, z take numbers or arrays of one shape, and numba can compile
+them. Only numpy is imported, so that importing this module costs little.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def roll_rad(w: Array, x: Array, y: Array, z: Array) -> Array:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """Vector products, written out so that no row depends on the others. (..., 3) -> (..., 3)"""
+    """Cross products a x b, row by row. (..., 3), (..., 3) -> (..., 3)"""
     return np.stack(
         [
             a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1],

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
+from twin.compute.mean import mean
 from twin.control.controllers import Controller
 from twin.control.trials import ENVIRONMENTS, HELD_OUT, PULL_QUANTITIES, QUANTITIES, drive
 from twin.io.result_rows import Row, Rows, row
@@ -52,16 +52,6 @@ def _part(progress: Callable[[float], None], i: int, count: int) -> Callable[[fl
     return lambda share: progress((i + share) / count)
 
 
-def interval(values: Array) -> tuple[float, float]:
-    """95 % interval of the mean: mean -+ t(0.975, n - 1) sd / sqrt(n)."""
-    n = len(values)
-    if n < 2:
-        return float(values[0]), float(values[0])
-    half = float(stats.t.ppf(0.975, n - 1) * np.std(values, ddof=1) / np.sqrt(n))
-    mean = float(np.mean(values))
-    return mean - half, mean + half
-
-
 def rows(measured: Mapping[str, Mapping[str, Array]], against: Sequence[str] = ("pi",)) -> Rows:
     """Means with their intervals, and the paired differences of each to some controllers.
 
@@ -83,6 +73,5 @@ def rows(measured: Mapping[str, Mapping[str, Array]], against: Sequence[str] = (
 
 
 def _row(case: str, quantity: str, values: Array, unit: str) -> Row:
-    low, high = interval(values)
-    made = dict(row(case, quantity, float(np.mean(values)), unit))
-    return made | {"low": low, "high": high}
+    found = mean(values)
+    return dict(row(case, quantity, found.mean, unit)) | found.bounds

@@ -2,31 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, TypeAlias
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from twin.env import observations
+from twin.env.control_step import bounded
 from twin.env.fleet import Fleet, Start
 from twin.env.grounds import Ground, GroundShape, Recipe
 from twin.env.instruments import Instruments
 from twin.env.observations import Entry
-from twin.env.quantities import Ids
+from twin.env.quantities import TRUE, Ids
 from twin.env.starts import Starts
 from twin.errors import BadInput, UnknownName, check_range
 from twin.pipeline import named as registry
 from twin.pipeline.estimating import Estimator
 
 Array = NDArray[np.float64]
-Some: TypeAlias = Ids | slice
-"""Which tractors."""
-EVERY = slice(None)
-
-STALL_MPS, STALL_S = 0.05, 1.0
-"""Slower than this for this long is a stall."""
+STALL_S = 1.0
+"""Standing for this long is a stall."""
+REWARD = "reward"
 
 
 def asked(observation: str, estimator: str, slip_target: float) -> Estimator | None:
@@ -50,6 +48,14 @@ class Episodes:
     actions_named: tuple[str, str]
     recipe: Recipe
     slip_target: float
+    terms: tuple[str, ...]
+    """The terms of the reward."""
+    derived: tuple[str, ...] = ()
+    """What else is known, beside what is true."""
+    known: tuple[str, ...]
+    """What infos tell, of the true and the derived."""
+    task: tuple[str, ...]
+    """What every observation ends with."""
 
     def __init__(
         self,
@@ -61,30 +67,32 @@ class Episodes:
         seen: bool,
     ) -> None:
         nsim, machine = len(fleet.state), fleet.machine
-        self.fleet, self.shapes = fleet, shapes
+        self.fleet, self.shapes, self.every = fleet, shapes, np.arange(nsim)
         nthread = fleet.batch.nthread
-        self.starts = Starts(machine, seen=seen, nthread=nthread, kind=type(fleet))
-        self.starts.of(shapes)
+        self.starts = Starts(machine, shapes, seen=seen, nthread=nthread, kind=type(fleet))
         self.instruments: list[Instruments] = []
         if seen:
             self.instruments = [Instruments(machine, estimator) for _ in range(nsim)]
+        self.rewarded = tuple(f"{REWARD}_{name}" for name in self.terms)
+        named = (*TRUE, *self.derived, *self.rewarded, REWARD, *self.task)
+        self.place = {name: row for row, name in enumerate(named)}
         self.entries = entries
+        seen_names = [entry.name for entry in entries if entry.name not in self.task]
+        if seen:
+            self.seen = {name: len(named) + row for row, name in enumerate(seen_names)}
+        else:
+            self.seen = {name: self.place[name] for name in seen_names}
+        self.values = np.zeros((len(named) + (len(seen_names) if seen else 0), nsim))
+        """All that is known of the tractors, a row each (rows, nsim)."""
+        of_entry = self.place | self.seen
+        self.packed = np.array([of_entry[entry.name] for entry in entries])
         self.observation_space = observations.space(entries)
         self.action_space = Box(-1.0, 1.0, (len(self.actions_named),), np.float32)
         self.actions = np.zeros((nsim, len(self.actions_named)))
-        self.standing_s = np.zeros(nsim)
         self.begun: dict[int, tuple[Start, Ground]] = {}
 
-    def terms(self, true: Mapping[str, Array]) -> dict[str, Array]:
-        """The terms of the reward by name, each of shape (nsim,)."""
-        raise NotImplementedError
-
-    def task(self, ids: Some) -> dict[str, ArrayLike]:
-        """What every observation ends with, of some tractors."""
-        raise NotImplementedError
-
-    def info(self, true: Mapping[str, Array]) -> dict[str, Array]:
-        """What is true now and worth knowing of each tractor, each of shape (nsim,)."""
+    def judge(self, ids: Ids) -> None:
+        """Write what is derived, the reward with its terms, and the task, of some tractors."""
         raise NotImplementedError
 
     def begin(self, ids: Sequence[int], grounds: Sequence[Ground]) -> None:
@@ -92,7 +100,6 @@ class Episodes:
         starts = self.starts.of([ground.shape for ground in grounds])
         self.fleet.restore(ids, starts, grounds)
         self.begun |= zip(ids, zip(starts, grounds, strict=True), strict=True)
-        self.standing_s[ids] = 0.0
         self.actions[ids] = [start.action for start in starts]
         if self.instruments:
             for i, start, ground in zip(ids, starts, grounds, strict=True):
@@ -105,47 +112,60 @@ class Episodes:
         records = self.fleet.drive(actions, record=bool(self.instruments))
         for i, instruments in enumerate(self.instruments):
             if records is not None:
-                instruments.advance([{k: v[i : i + 1] for k, v in records.items()}])
-        slow = self.fleet.speed_mps() < STALL_MPS
-        self.standing_s = np.where(slow, self.standing_s + self.fleet.period_s, 0.0)
-        stalled: NDArray[np.bool_] = self.standing_s >= STALL_S
+                instruments.advance({k: v[i : i + 1] for k, v in records.items()})
+        stalled: NDArray[np.bool_] = self.fleet.standing_s >= STALL_S
         return stalled
 
-    def rewards(self, true: Mapping[str, Array]) -> tuple[Array, dict[str, Array]]:
-        """Rewards of the control step (nsim,), and their terms as `reward_<term>`."""
-        terms, total = self.terms(true), np.zeros(len(self.actions))
-        for value in terms.values():
-            total = total + value
-        return total, {f"reward_{name}": value for name, value in terms.items()}
+    def look(self, ids: Ids | None = None) -> NDArray[np.float32]:
+        """Bring what is known up to date; what the controller of each sees (nsim, entries).
 
-    def observe(self, true: Mapping[str, Array], ids: Some = EVERY) -> NDArray[np.float32]:
-        """What the controller of each tractor, or of some, sees now, (nsim, entries)."""
-        values: Mapping[str, ArrayLike] = true
+        Args:
+            ids: of which tractors; None for all.
+        """
+        ids = self.every if ids is None else ids
+        self.fleet.look(ids, self.values)
+        self.judge(ids)
         if self.instruments:
-            chosen = np.arange(len(self.instruments))[ids]
-            each = [self.instruments[i].values() for i in chosen]
-            values = {name: np.array([one[name] for one in each]) for name in each[0]}
-        count = len(self.actions[ids])
-        seen = {**values, **self.task(ids)}
-        return observations.pack(seen, self.entries, self.observation_space, count)
+            for i in ids.tolist():
+                values = self.instruments[i].values()
+                for name, row in self.seen.items():
+                    self.values[row, i] = values[name]
+        out = np.empty((len(ids), len(self.packed)), dtype=np.float32)
+        box = self.observation_space
+        observations.pack(self.values, self.packed, box.low, box.high, ids, out)
+        return out
+
+    def told(self, names: Sequence[str]) -> dict[str, Array]:
+        """What is known of each tractor by name, each of shape (nsim,)."""
+        return {name: self.values[self.place[name]] for name in names}
 
 
 def checked(action: Any, batch: tuple[int, ...], names: Sequence[str]) -> Array:
-    """Actions of these names as numbers within [-1, 1], (*batch, 2).
+    """Actions of these names as numbers within [-1, 1], (nsim, 2).
 
     Raises:
         BadInput: one that cannot be meant.
     """
     shape = (*batch, len(names))
-    wanted = f"{len(names)} numbers in [-1, 1]: {', '.join(names)}"
     try:
-        taken = np.asarray(action, dtype=np.float64)
+        taken = np.array(action, dtype=np.float64)
     except (TypeError, ValueError):
-        raise BadInput(f"action {action!r} is not {wanted}") from None
+        raise BadInput(f"action {action!r} is not {wanted(names)}") from None
     if taken.shape != shape:
-        raise BadInput(f"action has shape {taken.shape}, not {shape}; give {wanted}")
-    if not np.isfinite(taken).all():
-        place = tuple(np.argwhere(~np.isfinite(taken))[0].tolist())
-        where, name = ", ".join(map(str, place)), names[place[-1]]
-        raise BadInput(f"action[{where}] ({name}) = {taken[place]} is not finite; give {wanted}")
-    return np.minimum(np.maximum(taken, -1.0), 1.0)
+        raise BadInput(f"action has shape {taken.shape}, not {shape}; give {wanted(names)}")
+    flat = taken.reshape(-1, len(names))
+    if not bounded(flat):
+        raise BadInput(_not_finite(np.array(action, dtype=np.float64), names))
+    return flat
+
+
+def wanted(names: Sequence[str]) -> str:
+    """What an action has to be."""
+    return f"{len(names)} numbers in [-1, 1]: {', '.join(names)}"
+
+
+def _not_finite(taken: Array, names: Sequence[str]) -> str:
+    """Which of the actions is not finite."""
+    place = tuple(np.argwhere(~np.isfinite(taken))[0].tolist())
+    where, name = ", ".join(map(str, place)), names[place[-1]]
+    return f"action[{where}] ({name}) = {taken[place]} is not finite; give {wanted(names)}"

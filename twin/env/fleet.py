@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple, TypeVar
 
+import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from twin.compute import quaternion
+from twin.compute.compiled import inlined_law, law
+from twin.env.control_step import control, moved
 from twin.env.grounds import SPREAD, Ground, GroundShape
-from twin.env.quantities import Ids, Reported, powers, true
+from twin.env.quantities import TRUE, Ids, Reported, powers, true
 from twin.errors import BadInput
 from twin.machine.build import Machine
 from twin.machine.ground_frame import world_from_ground
@@ -24,12 +28,19 @@ from twin.scenario.soils import PRESETS
 from twin.simulation.columns import Record, Recorder
 from twin.simulation.course_task import course_task
 from twin.simulation.driver import LIFT_RATE_RADPS, DriverTask, HitchControl
+from twin.simulation.records import Records, records
 from twin.simulation.simulation import DECISION_S, VELOCITY, Simulation
 from twin.streams import WHEELS
 from twin.trajectory.trajectory import Trajectory
 
 Array = NDArray[np.float64]
+Number = TypeVar("Number", float, Array)
 
+NO_SENSORS = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
+STALL_MPS = 0.05
+"""Slower than this is standing."""
+LEAST_W = 1e3
+"""Power at the axle below which the traction efficiency counts as 0 [W]."""
 RAISED_M = -0.10
 """Depth set point at which the plough is carried: the shares this much above the ground [m]."""
 OWN = {name: block.SOIL + Soil[name.upper()] for name in SPREAD}
@@ -80,32 +91,68 @@ class Start:
     """The action that keeps it rolling so."""
 
 
-def lift_rad(machine: Machine, depth_set_m: ArrayLike) -> Array:
-    """Lower-link angle that puts the plough's sole at a depth, in the furrow; elementwise.
+class Levers(NamedTuple):
+    """What turns actions into what the engine and the hitch are set to."""
 
-    The wheels of one side run at working depth, so the axle's middle is half of it lower.
+    idle_rpm: float
+    no_load_rpm: float
+    """No-load engine speeds with the governor's lever at 0 and at 1."""
+    slowest_rpm: float
+    fastest_rpm: float
+    """Those that the throttle's actions -1 and 1 set."""
+    deepest_m: float
+    """Deepest depth set point."""
+    sole_m: float
+    """Sole below the hitch points, the plough level."""
+    axle_m: float
+    """Height of the axle's middle; the wheels of one side run at working depth."""
+    pivot_m: float
+    """Front pivot of the lower links above the axle."""
+    length_m: float
+    """The lower links'."""
 
-    angle = asin((sole below hitch - depth - axle height - link pivot height) / link length)
-    """
-    hitch = machine.hitch
+
+def levers(machine: Machine) -> Levers:
+    """Those of a machine with a hitch. Raises BadInput if it has none."""
+    hitch, numbers = machine.hitch, machine.numbers
     if hitch is None:
         raise BadInput(f"{machine.scenario.machine} has no hitch; choose a machine that ploughs")
-    sole_m = machine.numbers["plough.sole_below_hitch_m"]
     axle_m = float(machine.model.body("tractor").pos[2])
     plough = machine.scenario.plough
     if plough is not None and plough.furrow != "none":
         axle_m -= 0.5 * plough.depth_m
-    rise_m = sole_m - np.asarray(depth_set_m) - axle_m - hitch.lower_front[1]
-    within = np.maximum(-1.0, np.minimum(1.0, rise_m / hitch.lower_length_m))
-    return np.asarray(np.arcsin(within))
+    return Levers(
+        idle_rpm=numbers["engine.idle_rpm"],
+        no_load_rpm=numbers["engine.no_load_rpm"],
+        slowest_rpm=SLOWEST * numbers["engine.idle_rpm"],
+        fastest_rpm=FASTEST * numbers["engine.no_load_rpm"],
+        deepest_m=machine.scenario.deepest_m,
+        sole_m=numbers["plough.sole_below_hitch_m"],
+        axle_m=axle_m,
+        pivot_m=hitch.lower_front[1],
+        length_m=hitch.lower_length_m,
+    )
 
 
-def governor(machine: Machine, throttle: Array) -> Array:
+def lift_rad(machine: Machine, depth_set_m: ArrayLike) -> Array:
+    """Lower-link angle that puts the plough's sole at a depth, in the furrow; elementwise."""
+    return np.asarray(np.arcsin(lift_sine(np.asarray(depth_set_m), levers(machine))))
+
+
+def lift_sine(depth_set_m: Number, lever: Levers) -> Number:
+    """Its sine; elementwise.
+
+    (sole below hitch - depth - axle height - link pivot height) / link length
+    """
+    rise_m = lever.sole_m - depth_set_m - lever.axle_m - lever.pivot_m
+    sine: Number = np.maximum(-1.0, np.minimum(1.0, rise_m / lever.length_m))
+    return sine
+
+
+def governor(throttle: Number, lever: Levers) -> Number:
     """Control of a throttle action in [-1, 1], linear in the no-load speed it sets; elementwise."""
-    idle, top = (machine.numbers[f"engine.{n}_rpm"] for n in ("idle", "no_load"))
-    slowest, fastest = SLOWEST * idle, FASTEST * top
-    set_rpm = slowest + 0.5 * (throttle + 1.0) * (fastest - slowest)
-    return (set_rpm - idle) / (top - idle)
+    set_rpm = lever.slowest_rpm + 0.5 * (throttle + 1.0) * (lever.fastest_rpm - lever.slowest_rpm)
+    return (set_rpm - lever.idle_rpm) / (lever.no_load_rpm - lever.idle_rpm)
 
 
 def start_throttle(machine: Machine) -> float:
@@ -116,9 +163,21 @@ def start_throttle(machine: Machine) -> float:
     return 2.0 * (set_rpm - slowest) / (fastest - slowest) - 1.0
 
 
-def depth_set_m(hitch: Array, deepest_m: float = DEEPEST_M) -> Array:
+def depth_set_m(hitch: Number, deepest_m: float = DEEPEST_M) -> Number:
     """Depth set point of a hitch action in [-1, 1], up to the deepest; elementwise [m]."""
     return RAISED_M + 0.5 * (hitch + 1.0) * (deepest_m - RAISED_M)
+
+
+_lift_sine, _governor = inlined_law(lift_sine), inlined_law(governor)
+_depth_set_m = inlined_law(depth_set_m)
+
+
+@law
+def set_levers(actions: Array, lever: Records, tasks: Records, sine: Array) -> None:
+    """Throttle of the actions into the tasks, and the sine of the lower links' angle."""
+    for i in range(len(actions)):
+        tasks[i].throttle = _governor(actions[i, 0], lever[0])
+        sine[i] = _lift_sine(_depth_set_m(actions[i, 1], lever[0].deepest_m), lever[0])
 
 
 def set_task(machine: Machine) -> DriverTask:
@@ -131,7 +190,18 @@ def set_task(machine: Machine) -> DriverTask:
 class Fleet(Simulation):
     """The machines of an environment, each on a ground of its own."""
 
-    def __init__(self, machine: Machine, nsim: int = 1, nthread: int = 1) -> None:
+    def __init__(
+        self, machine: Machine, nsim: int = 1, nthread: int = 1, *, sensed: bool = True
+    ) -> None:
+        """Stand machines at the start of the course.
+
+        Args:
+            machine: what is driven.
+            nsim: how many of it.
+            nthread: threads of the physics.
+            sensed: compute MuJoCo's sensors at every physics step, those of force and acceleration
+                too, and not only position and velocity after a control step.
+        """
         model = machine.model
         self.ground = model.geom("ground").id
         model.geom_sameframe[self.ground] = 0  # it is turned by the slope of each tractor's field
@@ -144,9 +214,18 @@ class Fleet(Simulation):
             self.sensordata[:, named["velocity_w"]],
             self.sensordata[:, named["world_from_body"]],
             self.world_from_ground[:, :, 2],
-            self.wheels,
+            *self.wheels,
             self.slots,
         )
+        self.sensed = sensed
+        self.disabled = self.batch.expand("opt.disableflags")
+        self.flags = int(model.opt.disableflags)
+        self.every, self.lift_rad = np.arange(nsim), self.drivers["lift_rad"]
+        self.standing_s, self.work_rad = np.zeros(nsim), self.tasks["work_rad"].copy()
+        self.chosen, self.into = np.array(self.set_by_driver), np.array(self.actuators)
+        self.shaft_radps = np.zeros(nsim)
+        if machine.hitch is not None:
+            self.levers = records(levers(machine), 1)
         self.velocity = self.qvel[:, :3].T
         first = block.WHEEL + Wheel.LATERAL_RATIO
         self.front_grip = [first + i * Wheel.SIZE for i, w in enumerate(WHEELS) if w[0] == "f"]
@@ -171,6 +250,7 @@ class Fleet(Simulation):
             for name, value in _place(ground, start.along_m).items():
                 numbers[block.FIELD + name] = value
             self.drivers[i], self.pedals[i] = start.driver, start.pedal
+            self.standing_s[i] = 0.0
         self.batch.forward(np.array(ids, dtype=np.int32), stage=VELOCITY)
 
     def lay(self, i: int, frame: GroundFrame, furrow_depth_m: float) -> None:
@@ -193,32 +273,57 @@ class Fleet(Simulation):
         Raises:
             Diverged: a state is not finite, or MuJoCo warned; put the tractors back to a start.
         """
-        self.observe()
         self.act(actions)
+        records = None
         if record:
             records = self.run(RECORDED)
             self.batch.forward(stage=VELOCITY)
-            return records
-        self.ring.keep(self.state)
-        self.batch.step(nstep=self.steps, stage=VELOCITY)
-        self.refuse_failure()
-        return None
+        else:
+            self.ring.keep(self.state)
+            self._step()
+        if not moved(
+            self.state, self.warned, self.velocity, self.standing_s, self.period_s, STALL_MPS
+        ):
+            self.refuse_failure()
+        return records
+
+    def _step(self) -> None:
+        """Step, and bring sensors and slots up to date."""
+        if self.sensed:
+            self.batch.step(nstep=self.steps, stage=VELOCITY)
+            return
+        self.disabled[:] = self.flags | NO_SENSORS  # a tenth of a step
+        self.batch.step(None, self.steps)
+        self.disabled[:] = self.flags
+        self.batch.forward(None, VELOCITY)
 
     def act(self, actions: Array) -> None:
         """Set the controls: throttle and hitch by the actions, the rest by the driver.
 
         The driver brakes where the ground drives the engine above what the throttle asks for.
         """
-        self.tasks["throttle"] = governor(self.machine, actions[:, 0])
-        self.tasks["work_rad"] = lift_rad(
-            self.machine, depth_set_m(actions[:, 1], self.machine.scenario.deepest_m)
-        )
-        self.decide()
+        set_levers(actions, self.levers, self.tasks, self.work_rad)
+        np.arcsin(self.work_rad, out=self.work_rad)
+        self.control()
 
-    def true(self, ids: Ids | None = None) -> dict[str, Array]:
-        """What is true now of each tractor, or of some; see `twin.env.quantities`."""
-        now = true(self.reported, self.driven, ids)
-        return now | powers(now)
+    def control(self) -> None:
+        """Observe, decide, and set the controls."""
+        control(
+            self.work_rad, self.tasks, self.drivetrain, self.seen, self.drivers, self.pedals,
+            self.qpos, self.qvel, self.slots, self.world_from_ground, self.links, self.engine,
+            self.shaft_radps, self.controls, self.chosen, self.into, self.ctrl, self.period_s,
+        )  # fmt: skip
+
+    def look(self, ids: Ids, out: Array) -> None:
+        """What is true now of some tractors, a row for each of `twin.env.quantities.TRUE`."""
+        true(*self.reported, self.driven, ids, out)
+        powers(ids, LEAST_W, out)
+
+    def true(self) -> dict[str, Array]:
+        """What is true now of each tractor, by name."""
+        out = np.empty((len(TRUE), len(self.state)))
+        self.look(self.every, out)
+        return dict(zip(TRUE, out, strict=True))
 
     def speed_mps(self) -> Array:
         """Magnitude of the rear axle's velocity. Shape (nsim,)."""

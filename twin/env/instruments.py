@@ -37,9 +37,9 @@ class Instruments:
         self.gnss_ns = 0
         self._see(approach)
 
-    def advance(self, records: Sequence[Record]) -> None:
+    def advance(self, record: Record) -> None:
         """Take in what was recorded of one control step."""
-        self._see(self.recorder.trajectory(records))
+        self._see(self.recorder.sensed(record))
 
     def values(self) -> dict[str, float]:
         """The latest known value of everything, by `sensor.column` or by the estimate's column."""

@@ -14,7 +14,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from twin.env import grounds
-from twin.env.episodes import Episodes, checked
+from twin.env.episodes import REWARD, Episodes, checked
 from twin.env.grounds import Options
 from twin.env.infos import Infos, add, columns
 from twin.env.rendering import FPS, Camera, Look
@@ -87,11 +87,14 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
         return self.seen.copy(), infos
 
     def step(self, actions: NDArray[np.float32]) -> Stepped:
-        """Drive all tractors for 20 ms; the autoreset mode resets ended episodes.
+        """Drive all tractors for 20 ms.
+
+        An ended episode is reset in this step (SAME_STEP), in the next one (NEXT_STEP, which
+        ignores its action and gives reward 0), or by `reset` alone (DISABLED).
 
         Raises:
             BadInput: actions of the wrong shape, or not finite.
-            Diverged: a state is not finite, or MuJoCo warned; reset to go on.
+            Diverged: a state is not finite, or MuJoCo warned; reset all tractors to go on.
             ResetNeeded: a tractor needs a reset first.
         """
         taken = checked(actions, (self.num_envs,), self.episodes.actions_named)
@@ -106,14 +109,15 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
         if self.limit is not None:
             truncations = self.elapsed >= self.limit
         self.running, self.ended = True, terminations | truncations
-        true = self.episodes.fleet.true()
-        rewards, terms = self.episodes.rewards(true)
+        self.seen = self.episodes.look()
+        terms = self.episodes.told(self.episodes.rewarded)
+        known = self.episodes.told(self.episodes.known)
+        rewards = np.where(again, 0.0, self.episodes.told([REWARD])[REWARD])
         add(infos, {name: value[~again] for name, value in terms.items()}, ~again)
-        self.seen, known = self.episodes.observe(true), self.episodes.info(true)
         add(infos, known, np.ones(self.num_envs, dtype=np.bool_))
         if self.mode is AutoresetMode.SAME_STEP and self.ended.any():
             self._begin_at_once(self.ended.copy(), known | terms, infos)
-        return self.seen.copy(), np.where(again, 0.0, rewards), terminations, truncations, infos
+        return self.seen.copy(), rewards, terminations, truncations, infos
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
         """An RGB picture of each tractor, uint8, (height, width, 3); None without a render mode.
@@ -145,7 +149,10 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
                 f"give shape ({self.num_envs},) with one true at least"
             )
         if not (self.running or mask.all()):
-            raise BadInput("option reset_mask before the first reset of all; reset all once")
+            raise BadInput(
+                "option reset_mask leaves out tractors without a state: none was reset yet, or "
+                "the last step failed; reset all"
+            )
         return mask
 
     def _seed(self, seed: int | Sequence[int | None] | None, mask: NDArray[np.bool_]) -> None:
@@ -171,9 +178,8 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
     def _look(self, mask: NDArray[np.bool_]) -> Infos:
         """Observe the tractors in the mask, who have just begun; what is known of them."""
         ids = np.flatnonzero(mask)
-        true = self.episodes.fleet.true(ids)
-        self.seen[ids] = self.episodes.observe(true, ids)
-        return self.episodes.info(true)
+        self.seen[ids] = self.episodes.look(ids)
+        return {name: value[ids] for name, value in self.episodes.told(self.episodes.known).items()}
 
     def _begin_at_once(self, ended: NDArray[np.bool_], last: Infos, infos: Infos) -> None:
         """SAME_STEP: what was last seen goes to the infos, and the ended begin anew."""

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from gymnasium.spaces import Box
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from twin.compute.compiled import law
 from twin.streams import WHEELS
+
+Array = NDArray[np.float64]
+Single = NDArray[np.float32]
+Ids = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -104,18 +108,18 @@ def space(entries: tuple[Entry, ...]) -> Box[np.float32]:
     return Box(bounds[:, 0], bounds[:, 1], dtype=np.float32)
 
 
-def pack(
-    values: Mapping[str, ArrayLike], entries: tuple[Entry, ...], box: Box[np.float32], nsim: int
-) -> NDArray[np.float32]:
-    """Observations of shape (nsim, entries), clipped to the box.
+@law
+def pack(values: Array, places: Ids, low: Single, high: Single, ids: Ids, out: Single) -> None:
+    """Observations of some tractors, clipped to the bounds.
 
     Args:
-        values: by the entries' names, numbers or arrays of shape (nsim,).
-        entries: what is packed, in order.
-        box: their bounds, from `space`.
-        nsim: number of tractors.
+        values: what is known, a row each (rows, nsim).
+        places: rows of the entries, in order (entries,).
+        low, high: bounds of the box (entries,).
+        ids: which tractors.
+        out: written (len(ids), entries).
     """
-    out = np.empty((nsim, len(entries)), dtype=np.float32)
-    for i, entry in enumerate(entries):
-        out[:, i] = values[entry.name]
-    return np.minimum(np.maximum(out, box.low), box.high)
+    for k in range(len(ids)):
+        for j in range(len(places)):
+            value = np.float32(values[places[j], ids[k]])
+            out[k, j] = min(max(value, low[j]), high[j])

@@ -14,9 +14,9 @@ class PloughEnv(SingleEnv):
     """A tractor works the soil with its implement; a controller sets throttle and hitch.
 
     The goal is a high work rate at a high traction efficiency, with the slip of the driven wheels
-    near a target (heat and torn soil above, power lost in rolling below) and the plough at its
-    depth. A driver holds the line, and brakes where the ground drives the engine above what the
-    throttle asks for. A control step is 20 ms, ten physics steps.
+    near a target (more slip tears the soil, less slip leaves a larger share to rolling resistance)
+    and the plough at its depth. A driver holds the line, and brakes when a slope pushes the engine
+    above the speed that the throttle sets. A control step is 20 ms, ten physics steps.
 
     ```
     env = gymnasium.make("twin.env:Plough-v0", observation="estimate")
@@ -26,7 +26,7 @@ class PloughEnv(SingleEnv):
     )
     ```
 
-    The second is `twin.env.vector.PloughVectorEnv`: many tractors in one batch, the same numbers.
+    The second is `twin.env.vector.PloughVectorEnv`: many tractors in one batch.
 
     ## Arguments
 
@@ -36,18 +36,18 @@ class PloughEnv(SingleEnv):
     | `estimator` | "slip-ekf" | for "estimate": a registered name, or `module:Name` |
     | `depth_m` | 0.25 | depth to plough at, for which the depth wheel is set [m], 0.05 to 0.35 |
     | `slip_target` | 0.12 | slip to work at [-], 0.02 to 0.4 |
-    | `render_mode` | None | "rgb_array": `render()` gives a picture; "human": a window, in the tractor's own time |
+    | `render_mode` | None | "rgb_array": `render()` gives a picture; "human": a window, no faster than real time |
     | `width`, `height` | 640, 480 | of the picture or the window [px], 16 to 4096 |
     | `machine` | "taishan_1404a" | the tractor: a name of `twin list`, or a file |
     | `implement` | None | its implement: a name of `twin list`, or a file; None for its usual one |
-    | `camera` | "follow" | where the eye is: "follow" (behind, to the left), "side", "behind", "front" or "top"; it stays with the tractor |
+    | `camera` | "follow" | viewpoint: "follow" (behind, to the left), "side", "behind", "front" or "top"; it stays with the tractor |
 
     ## Actions: `Box(-1, 1, (2,), float32)`, values outside are taken as the bound
 
     | # | name | -1 | +1 | meaning |
     |---|---|---|---|---|
-    | 0 | throttle | 900 rpm | 2376 rpm | no-load speed the governor is set to; linear, at once; of another machine 1.125 of its idle and .99 of its no-load speed |
-    | 1 | hitch | -0.10 m | 0.35 m | depth set point of the hitch, negative above the ground, up to the implement's greatest depth; linear, becomes the lower links' angle, which follows at 0.35 rad/s; the depth reached differs by sinkage, squat and pitch |
+    | 0 | throttle | 900 rpm | 2376 rpm | no-load speed the governor is set to; linear in the action, without delay; of another machine 1.125 of its idle and .99 of its no-load speed |
+    | 1 | hitch | -0.10 m | 0.35 m | depth set point of the hitch, negative above the ground, up to the implement's greatest depth; linear in the action. It becomes an angle of the lower links, which move at up to 0.35 rad/s. The real depth differs, because the tractor sinks, squats and pitches |
 
     ## Observations: `Box(float32)`, finite, clipped to the bounds
 
@@ -56,7 +56,7 @@ class PloughEnv(SingleEnv):
     or 0. Estimates and sensors are late by their own filters and latencies. Truth is of the
     instant of the observation.
 
-    Entries of "estimate", before those every mode ends with:
+    Entries of "estimate". The entries common to all modes follow them:
 
     | name | low | high | unit | meaning |
     |---|---|---|---|---|
@@ -70,7 +70,7 @@ class PloughEnv(SingleEnv):
     | draft_pin_n | -200000 | 200000 | N | draft, by the pin in the hitch, positive backward |
     | hitch_m | -1 | 1 | m | height of the hitch points over their pivots, on the bus |
 
-    Entries of "sensors", before those every mode ends with; columns of `twin.streams`:
+    Entries of "sensors", columns of `twin.streams`. The entries common to all modes follow them:
 
     | name | low | high | unit | meaning |
     |---|---|---|---|---|
@@ -99,7 +99,7 @@ class PloughEnv(SingleEnv):
     | machine.engine_load | 0 | 1.25 | - | engine torque over its reference torque |
     | machine.fuel_lph | 0 | 100 | L/h | fuel rate |
 
-    Entries of "truth", before those every mode ends with:
+    Entries of "truth". The entries common to all modes follow them:
 
     | name | low | high | unit | meaning |
     |---|---|---|---|---|
@@ -121,12 +121,12 @@ class PloughEnv(SingleEnv):
     | load_rl_n | 0 | 200000 | N | normal load, rear left |
     | load_rr_n | 0 | 200000 | N | normal load, rear right |
 
-    Entries every mode ends with:
+    Entries common to all modes, after the mode's own:
 
     | name | low | high | unit | meaning |
     |---|---|---|---|---|
     | throttle | -1 | 1 | - | the throttle action in force |
-    | lift_set_rad | -0.45 | 1 | rad | lower-link angle the hitch is set to, after its rate |
+    | lift_set_rad | -0.45 | 1 | rad | lower-link angle the hitch is set to, after the limit of its rate |
     | slip_target | 0 | 0.5 | - | argument `slip_target` |
     | depth_target_m | 0 | 0.35 | m | argument `depth_m` |
 
@@ -134,8 +134,8 @@ class PloughEnv(SingleEnv):
 
     | term | value | range |
     |---|---|---|
-    | work | 0.30 (1.4 m) v min(1, depth / target) / (1 ha/h) | [0, about 0.5] |
-    | efficiency | 0.20 draft v / (axle torque, axle speed), within [0, 1] | [0, 0.20] |
+    | work | 0.30 b v min(1, depth / target) / (1 ha/h), with the working width b = 1.4 m | [0, about 0.5] |
+    | efficiency | 0.20 draft v / (axle torque × axle speed), the ratio within [0, 1] | [0, 0.20] |
     | slip | 0.25 / (1 + ((slip - target) / 0.05)^2) | (0, 0.25] |
     | depth | 0.25 / (1 + ((depth - target) / 0.03 m)^2) | (0, 0.25] |
 
@@ -146,8 +146,8 @@ class PloughEnv(SingleEnv):
 
     ## Start
 
-    A keyframe: rolling straight at the scenario's engine speed (1665 rpm no-load, 2.1 m/s), settled
-    for 6 s on its slope, the right wheels in the last furrow, the plough carried with its shares
+    A stored state, one of MuJoCo's keyframes: rolling straight at 2.1 m/s with the governor at
+    1665 rpm, settled for 6 s on its slope, the right wheels in the last furrow, the plough carried with its shares
     0.10 m above the ground (hitch action -1). Sensors and estimator have seen the last 2 s. The
     ground is drawn from the seed:
 
@@ -157,10 +157,10 @@ class PloughEnv(SingleEnv):
     | friction | preset x U(0.85, 1.10) | `soil.friction` |
     | cone index | preset x U(0.80, 1.25) | `soil.cone_index_kpa` [kPa] |
     | draft scale | preset x U(0.80, 1.20) | `soil.draft_scale`, F of ASABE D497 |
-    | slope, last furrow | one of 16 keyframes: cross slope within 6 deg, grade within 3 deg, furrow 0.9 to 1.1 of the depth; the first is level | `field.cross_slope_deg` (rises to the left), `field.grade_deg` (rises ahead), `field.furrow_depth_m` [m]; a combination not seen before is settled first, some 0.2 s |
+    | slope, last furrow | one of 16 keyframes: cross slope within 6 deg, grade within 3 deg, furrow 0.9 to 1.1 of the depth; the first is level | `field.cross_slope_deg` (rises to the left), `field.grade_deg` (rises ahead), `field.furrow_depth_m` [m]; another combination is settled at its first use, which takes about 0.2 s of computing |
     | patches of weaker soil | 0 to 2; start 3 to 40 m ahead, length 2 to 10 m, friction x U(0.7, 1), cone index x U(0.6, 1) | `field.patches`, up to four of (start_m, length_m, friction factor, cone index factor) |
     | place in the field | within 1000 m, along and to the left | `field.origin_m` [m] |
-    | pattern of draft and strength in the field, sensor errors | seeds | none |
+    | pattern of draft and strength in the field, sensor errors | seeds | cannot be set |
 
     ## End
 
@@ -170,13 +170,13 @@ class PloughEnv(SingleEnv):
     ## Errors
 
     A wrong shape or a NaN in the action, an unknown option or a value out of range raise
-    `twin.errors.TwinError` before anything has changed; the environment can be used on.
+    `twin.errors.TwinError`. The environment stays as it was, and you can go on.
 
     ## Version history
 
     v0: first. Since then, before any release: slopes, furrow depth, patches and place are drawn too,
     fuel is in `info`, the vector environment came, and the estimate became that of "slip-ekf" and
-    not of "four-state", whose slip goes against the true one in quick changes.
+    not of "four-state", which moves the wrong way when the slip changes quickly.
     """  # noqa: E501
 
     episodes: Ploughing

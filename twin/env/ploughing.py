@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from twin.compute.compiled import law
 from twin.env import observations, reward
-from twin.env.episodes import Episodes, Some, asked
+from twin.env.episodes import Episodes, asked
 from twin.env.fleet import Fleet
 from twin.env.grounds import PLOUGHED, ground_shapes
-from twin.machine.fuel import fuel_lph
+from twin.env.quantities import PLACE, TRUE, Ids
+from twin.machine.fuel import engine_fuel_lph, rated
 from twin.scenario import Course, Plough, Scenario
 from twin.simulation.build import build
+from twin.simulation.records import Records, records
 
 Array = NDArray[np.float64]
 
-KNOWN = ("slip", "depth_m", "speed_mps", "draft_n", "traction_efficiency")
+FIRST = len(TRUE)
+SLIP, SPEED, DEPTH, RADPS, ENGINE_NM, EFFICIENCY = (
+    PLACE[name]
+    for name in (
+        "slip", "speed_mps", "depth_m", "engine_radps", "engine_torque_nm", "traction_efficiency",
+    )
+)  # fmt: skip
 
 
 class Ploughing(Episodes):
@@ -25,6 +32,10 @@ class Ploughing(Episodes):
 
     actions_named = ("throttle", "hitch")
     recipe = PLOUGHED
+    terms = tuple(reward.PLOUGHING)
+    derived = ("work_rate_haph", "fuel_lph")
+    known = ("slip", "depth_m", "speed_mps", "draft_n", "traction_efficiency", *derived)
+    task = tuple(entry.name for entry in observations.TASK)
 
     def __init__(
         self,
@@ -49,35 +60,48 @@ class Ploughing(Episodes):
         built = build(scenario)
         numbers = built.numbers
         self.width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
+        self.engine = records(rated(numbers), 1)
+        seen = observation != "truth"
         super().__init__(
-            Fleet(built, nsim, nthread),
+            Fleet(built, nsim, nthread, sensed=seen),
             ground_shapes(self.depth_m),
             observations.MODES[observation],
             wanted,
-            seen=observation != "truth",
+            seen=seen,
         )
 
-    def terms(self, true: Mapping[str, Array]) -> dict[str, Array]:
-        """Work, efficiency, slip and depth; see `twin.env.reward.terms`."""
-        return reward.terms(true, self.width_m, self.depth_m, self.slip_target)
+    def judge(self, ids: Ids) -> None:
+        """As `_judge` does."""
+        _judge(
+            ids, self.width_m, self.depth_m, self.slip_target, self.engine, self.actions,
+            self.fleet.lift_rad, self.values,
+        )  # fmt: skip
 
-    def task(self, ids: Some) -> dict[str, ArrayLike]:
-        """Throttle and hitch in force, and the targets."""
-        return {
-            "throttle": self.actions[ids, 0],
-            "lift_set_rad": self.fleet.drivers["lift_rad"][ids],
-            "slip_target": self.slip_target,
-            "depth_target_m": self.depth_m,
-        }
 
-    def info(self, true: Mapping[str, Array]) -> dict[str, Array]:
-        """What is true now and worth knowing of each tractor, each of shape (nsim,)."""
-        rate_m2ps = reward.work_rate_m2ps(true, self.width_m, self.depth_m)
-        radps = true["engine_radps"]
-        return {
-            **{name: true[name] for name in KNOWN},
-            "work_rate_haph": rate_m2ps * 0.36,
-            "fuel_lph": fuel_lph(
-                self.fleet.machine.numbers, true["engine_torque_nm"] * radps, radps
-            ),
-        }
+@law
+def _judge(
+    ids: Ids,
+    width_m: float,
+    depth_m: float,
+    slip_target: float,
+    engine: Records,
+    actions: Array,
+    lift_rad: Array,
+    out: Array,
+) -> None:
+    """Work rate and fuel; the terms of the reward and their sum; the task. Rows as in PLACE."""
+    for i in ids:
+        radps, depth = out[RADPS, i], out[DEPTH, i]
+        rate = reward.work_rate_m2ps(out[SPEED, i], depth, width_m, depth_m)
+        terms = reward.ploughing(
+            rate, out[EFFICIENCY, i], out[SLIP, i], depth, slip_target, depth_m
+        )
+        total = 0.0
+        for k in range(len(terms)):
+            out[FIRST + 2 + k, i] = terms[k]
+            total += terms[k]
+        out[FIRST, i] = rate * 0.36
+        out[FIRST + 1, i] = engine_fuel_lph(engine[0], out[ENGINE_NM, i] * radps, radps)
+        out[FIRST + 6, i] = total
+        out[FIRST + 7, i], out[FIRST + 8, i] = actions[i, 0], lift_rad[i]
+        out[FIRST + 9, i], out[FIRST + 10, i] = slip_target, depth_m

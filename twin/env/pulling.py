@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from twin.compute.compiled import law
 from twin.env import observations, reward
-from twin.env.episodes import Episodes, Some, asked
+from twin.env.episodes import Episodes, asked
 from twin.env.grounds import ROLLED, ground_shapes
+from twin.env.quantities import PLACE, TRUE, Ids
 from twin.env.torque_fleet import USUAL_IMPLEMENT, TorqueFleet, motors
 from twin.scenario import Course, Drive, Scenario, Soil
 from twin.sensors import Imu, Sensors
@@ -19,9 +19,8 @@ from twin.vehicle import files
 Array = NDArray[np.float64]
 
 USUAL_MACHINE = "electric_tractor"
-KNOWN = (
-    "slip", "slip_rl", "slip_rr", "speed_mps", "v_y_rear_mps", "draft_n", "traction_efficiency",
-)  # fmt: skip
+FIRST = len(TRUE)
+SLIP_RL, SLIP_RR, V_Y = (PLACE[name] for name in ("slip_rl", "slip_rr", "v_y_rear_mps"))
 
 
 class Pulling(Episodes):
@@ -29,6 +28,11 @@ class Pulling(Episodes):
 
     actions_named = ("torque_left", "torque_right")
     recipe = ROLLED
+    terms = tuple(reward.PULLING)
+    known = (
+        "slip", "slip_rl", "slip_rr", "speed_mps", "v_y_rear_mps", "draft_n", "traction_efficiency",
+    )  # fmt: skip
+    task = tuple(entry.name for entry in observations.TORQUE_TASK)
 
     def __init__(
         self,
@@ -50,23 +54,35 @@ class Pulling(Episodes):
             course=Course(approach_m=0.0),
             sensors=Sensors(imu=Imu(vibration_rms_mps2=0.05), depth=None, machine=None),
         )
+        seen = observation != "truth"
         super().__init__(
-            TorqueFleet(motors(build(scenario)), nsim, nthread, files.implement(implement)),
+            TorqueFleet(
+                motors(build(scenario)),
+                nsim,
+                nthread,
+                sensed=seen,
+                implement=files.implement(implement),
+            ),
             ground_shapes(0.25, ROLLED),
             observations.TORQUE_MODES[observation],
             wanted,
-            seen=observation != "truth",
+            seen=seen,
         )
 
-    def terms(self, true: Mapping[str, Array]) -> dict[str, Array]:
-        """Slip of each rear wheel, and sideslip; see `twin.env.reward.pulling_terms`."""
-        return reward.pulling_terms(true, self.slip_target)
+    def judge(self, ids: Ids) -> None:
+        """As `_judge` does."""
+        _judge(ids, self.slip_target, self.actions, self.values)
 
-    def task(self, ids: Some) -> dict[str, ArrayLike]:
-        """Torques in force, and the target."""
-        left, right = self.actions[ids].T
-        return {"torque_left": left, "torque_right": right, "slip_target": self.slip_target}
 
-    def info(self, true: Mapping[str, Array]) -> dict[str, Array]:
-        """What is true now and worth knowing of each tractor, each of shape (nsim,)."""
-        return {name: true[name] for name in KNOWN}
+@law
+def _judge(ids: Ids, slip_target: float, actions: Array, out: Array) -> None:
+    """The terms of the reward and their sum; the task. Rows as in PLACE."""
+    for i in ids:
+        terms = reward.pulling(out[SLIP_RL, i], out[SLIP_RR, i], out[V_Y, i], slip_target)
+        total = 0.0
+        for k in range(len(terms)):
+            out[FIRST + k, i] = terms[k]
+            total += terms[k]
+        out[FIRST + 3, i] = total
+        out[FIRST + 4, i], out[FIRST + 5, i] = actions[i, 0], actions[i, 1]
+        out[FIRST + 6, i] = slip_target

@@ -5,19 +5,21 @@ Tractor by tractor, so that one's numbers do not depend on how many stand beside
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.compute.compiled import inlined_law, law
 from twin.physics.block import MachineSlot, WheelSlot
 from twin.streams import WHEELS
-from twin.truth.motion import Wheels, driven_axle, ground_velocity, slip_ratio
+from twin.truth import motion
+from twin.truth.motion import driven_axle_of, ground_velocity_of
 
 Array = NDArray[np.float64]
 Ids = NDArray[np.int64]
 
+OWN = ("speed_mps", "v_y_rear_mps", "wheel_speed_mps", "axle_radps", "slip")
 REPORTED = {
     **{f"slip_{wheel}": (i, WheelSlot.SLIP) for i, wheel in enumerate(WHEELS)},
     **{f"load_{wheel}_n": (i, WheelSlot.LOAD_N) for i, wheel in enumerate(WHEELS)},
@@ -28,7 +30,18 @@ REPORTED = {
     "axle_torque_nm": (len(WHEELS), MachineSlot.AXLE_TORQUE_NM),
 }
 """What the callback reports as it is: after how many wheels, and which slot of theirs."""
+POWERS = ("draw_w", "axle_w", "traction_efficiency")
+TRUE = (*OWN, *REPORTED, *POWERS)
+"""What `true` and `powers` write, one row for each."""
+PLACE = {name: row for row, name in enumerate(TRUE)}
+
 SLOTS = np.array([after * WheelSlot.SIZE + slot for after, slot in REPORTED.values()])
+FIRST_SLOT = len(OWN)
+SPEED, SPIN = PLACE["speed_mps"], PLACE["axle_radps"]
+DRAFT, TORQUE = PLACE["draft_n"], PLACE["axle_torque_nm"]
+DRAW_W, AXLE_W, EFFICIENCY = (PLACE[name] for name in POWERS)
+
+slip_ratio = inlined_law(motion.slip_ratio)
 
 
 class Reported(NamedTuple):
@@ -40,50 +53,63 @@ class Reported(NamedTuple):
     """Attitude, quaternions wxyz (nsim, 4)."""
     normal_w: Array
     """Normals of the ground planes (nsim, 3)."""
-    wheels: Wheels
+    spin_radps: Array
+    """The wheels' (nsim, 4)."""
+    rolling_radius_m: Array
+    """The wheels' (nsim, 4)."""
+    hub_mps: Array
+    """Speed of the wheels' centres along their rolling direction (nsim, 4)."""
     slots: Array
     """The callback's report, `userdata` (nsim, nuserdata)."""
 
-    def of(self, ids: Ids) -> Reported:
-        """The same of some."""
-        wheels = Wheels(*(values[ids] for values in self.wheels))
-        velocity, attitude, normal = (values[ids] for values in self[:3])
-        return Reported(velocity, attitude, normal, wheels, self.slots[ids])
 
-
-def true(reported: Reported, driven: Ids, ids: Ids | None = None) -> dict[str, Array]:
-    """Speeds, slips, loads and forces of the tractors, or of some. Shapes (nsim,) or (len(ids),).
+@law
+def true(
+    velocity_w: Array,
+    world_from_body: Array,
+    normal_w: Array,
+    spin_radps: Array,
+    rolling_radius_m: Array,
+    hub_mps: Array,
+    slots: Array,
+    driven: Ids,
+    ids: Ids,
+    out: Array,
+) -> None:
+    """Speeds, slips, loads and forces of some tractors.
 
     Args:
-        reported: what is known of all.
+        velocity_w, world_from_body, normal_w, spin_radps, rolling_radius_m, hub_mps, slots: see
+            `Reported`.
         driven: places of the driven wheels in `twin.streams.WHEELS`.
-        ids: which tractors; None for all.
+        ids: which tractors.
+        out: written, a row for each of TRUE but the POWERS (rows, nsim).
     """
-    now = reported if ids is None else reported.of(ids)
-    speed, v_y = ground_velocity(now.world_from_body, now.normal_w, now.velocity_w)
-    axle = driven_axle(now.wheels, driven)
-    out = {
-        "speed_mps": speed,
-        "v_y_rear_mps": v_y,
-        "wheel_speed_mps": axle.wheel_speed_mps,
-        "axle_radps": axle.axle_radps,
-        "slip": slip_ratio(axle.wheel_speed_mps, axle.hub_mps),
-    }
-    return out | dict(zip(REPORTED, now.slots.T[SLOTS], strict=True))
+    for i in ids:
+        speed, v_y = ground_velocity_of(world_from_body, normal_w, velocity_w, i)
+        rim, hub, spin = driven_axle_of(spin_radps, rolling_radius_m, hub_mps, driven, i)
+        out[0, i], out[1, i], out[2, i] = speed, v_y, rim
+        out[3, i], out[4, i] = spin, slip_ratio(rim, hub)
+        for k in range(len(SLOTS)):
+            out[FIRST_SLOT + k, i] = slots[i, SLOTS[k]]
 
 
-def powers(true: Mapping[str, Array], least_w: float = 1e3) -> dict[str, Array]:
+@law
+def powers(ids: Ids, least_w: float, out: Array) -> None:
     """Drawbar power, power at the driven axle, and the traction efficiency between them.
 
         P_draw = draft v      P_axle = T w      efficiency = P_draw / P_axle in [0, 1]
 
     0 below the least power at the axle. Source: ASABE S296, tractive efficiency.
+
+    Args:
+        ids: which tractors.
+        least_w: the least power.
+        out: read and written, a row for each of TRUE (rows, nsim).
     """
-    draw_w = true["draft_n"] * true["speed_mps"]
-    axle_w = true["axle_torque_nm"] * true["axle_radps"]
-    ratio = np.where(axle_w > least_w, draw_w / np.maximum(axle_w, least_w), 0.0)
-    return {
-        "draw_w": draw_w,
-        "axle_w": axle_w,
-        "traction_efficiency": np.minimum(1.0, np.maximum(0.0, ratio)),
-    }
+    for i in ids:
+        draw_w = out[DRAFT, i] * out[SPEED, i]
+        axle_w = out[TORQUE, i] * out[SPIN, i]
+        ratio = draw_w / axle_w if axle_w > least_w else 0.0
+        out[DRAW_W, i], out[AXLE_W, i] = draw_w, axle_w
+        out[EFFICIENCY, i] = min(1.0, ratio) if ratio >= 0.0 else 0.0

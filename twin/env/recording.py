@@ -34,13 +34,14 @@ class Recording(Wrapper[Observation, NDArray[np.float32], Observation, NDArray[n
     env = Recording(gymnasium.make("twin.env:Plough-v0"), Path("episodes"))
     ```
 
-    An episode is written when it has ended, and one not ended at the next reset or `close`.
+    An episode is written when it ends, or at the next reset or `close` if it has not ended.
     """
 
     def __init__(self, env: Env[Observation, NDArray[np.float32]], directory: Path) -> None:
-        """Args: env: one tractor's, of either id. directory: made where there is none."""
+        """Args: env: Plough-v0 or WheelSlip-v0 with one tractor. directory: created if missing."""
         super().__init__(env)
         self.single: SingleEnv = env.unwrapped  # type: ignore[assignment]
+        self.single.episodes.fleet.sensed = True  # all of the sensors are written
         self.directory, self.number = directory, 0
         self.moments: list[Infos] = []
 
@@ -69,12 +70,11 @@ class Recording(Wrapper[Observation, NDArray[np.float32], Observation, NDArray[n
     def _keep(self, observation: Observation, info: Infos) -> None:
         """What this instant looks like."""
         episodes = self.single.episodes
-        fleet, now = episodes.fleet, episodes.fleet.true()
-        moment: Infos = {name: float(now[name][0]) for name in TOWED}
+        fleet = episodes.fleet
+        moment: Infos = {name: float(value[0]) for name, value in episodes.told(TOWED).items()}
         moment |= {"sensordata": fleet.sensordata[0].copy(), "userdata": fleet.slots[0].copy()}
         moment |= zip(episodes.actions_named, episodes.actions[0], strict=True)
-        names = [f"reward_{name}" for name in episodes.terms(now)]
-        moment |= {name: info.get(name, 0.0) for name in names}
+        moment |= {name: info.get(name, 0.0) for name in episodes.rewarded}
         seen = zip(self.single.entries, observation, strict=True)
         moment |= {f"seen.{entry.name}": float(value) for entry, value in seen}
         self.moments.append(moment)

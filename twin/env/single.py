@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from gymnasium import Env
 from gymnasium.error import ResetNeeded
@@ -9,7 +11,7 @@ from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
 from twin.env import grounds
-from twin.env.episodes import Episodes, checked
+from twin.env.episodes import REWARD, Episodes, checked
 from twin.env.grounds import Options
 from twin.env.infos import Infos
 from twin.env.rendering import FPS, Look, Screen, screen
@@ -29,6 +31,7 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         self.entries = episodes.entries
         self.observation_space = episodes.observation_space
         self.action_space = episodes.action_space
+        self.told = (*episodes.known, *episodes.rewarded, REWARD)
         self.screen: Screen | None = None
         self.running = False
 
@@ -46,10 +49,10 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         ground = grounds.draw(self.np_random, chosen, self.episodes.shapes, recipe)
         self.episodes.begin([0], [ground])
         self.running = True
-        true = self.episodes.fleet.true()
-        info = {name: float(value[0]) for name, value in self.episodes.info(true).items()}
+        (observation,) = self.episodes.look()
+        info = self._told(self.episodes.known)
         self._show()
-        return self.episodes.observe(true)[0], info | ground.info(recipe)
+        return observation, info | ground.info(recipe)
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, Infos]:
         """Drive for 20 ms.
@@ -59,19 +62,17 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
             Diverged: a state is not finite, or MuJoCo warned; reset to go on.
             ResetNeeded: there was no reset, or the last step failed.
         """
-        taken = checked(action, (), self.episodes.actions_named)[None]
+        taken = checked(action, (), self.episodes.actions_named)
         if not self.running:
             raise ResetNeeded("call reset() before step()")
         self.running = False  # until the step has gone well
         stalled = self.episodes.advance(taken)
         self.running = True
-        true = self.episodes.fleet.true()
-        rewards, terms = self.episodes.rewards(true)
-        named = self.episodes.info(true) | terms
-        info = {name: float(value[0]) for name, value in named.items()}
-        observation = self.episodes.observe(true)[0]
+        (observation,) = self.episodes.look()
+        info = self._told(self.told)
+        reward = info.pop(REWARD)
         self._show()
-        return observation, float(rewards[0]), bool(stalled[0]), False, info
+        return observation, reward, bool(stalled[0]), False, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """Render the tractor in its present state.
@@ -94,6 +95,11 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         if self.screen is not None:
             self.screen.close()
             self.screen = None
+
+    def _told(self, names: Sequence[str]) -> Infos:
+        """What is known by name."""
+        values, place = self.episodes.values[:, 0].tolist(), self.episodes.place
+        return {name: values[place[name]] for name in names}
 
     def _show(self) -> None:
         """In a window, every control step is shown unasked."""

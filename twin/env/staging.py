@@ -49,7 +49,7 @@ class Staging:
         if place[0] < self.last_s_m.get(i, np.inf):  # another episode
             self.furrows[i] = [[]]
         self.last_s_m[i] = place[0]
-        if fleet.true(np.array([i]))["depth_m"][0] > SHALLOWEST_M:
+        if fleet.true()["depth_m"][i] > SHALLOWEST_M:
             self.furrows[i][-1].append(place)
         elif self.furrows[i][-1]:
             self.furrows[i].append([])

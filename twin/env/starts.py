@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from twin.compute import quaternion
 from twin.env.fleet import RAISED_M, Fleet, GroundFrame, Start, lift_rad
 from twin.env.grounds import GroundShape
+from twin.env.kept_starts import kept
 from twin.machine.build import Machine
 from twin.machine.start import RAISED_RAD
 from twin.simulation.columns import Recorder
@@ -25,21 +27,31 @@ class Starts:
     """The starts of a machine by how the field lies, each settled once."""
 
     def __init__(
-        self, machine: Machine, *, seen: bool, nthread: int = 1, kind: type[Fleet] = Fleet
+        self,
+        machine: Machine,
+        shapes: Sequence[GroundShape],
+        *,
+        seen: bool,
+        nthread: int = 1,
+        kind: type[Fleet] = Fleet,
     ) -> None:
+        """Those of the shapes are read from disk where they were settled before."""
         self.machine, self.seen, self.nthread, self.kind = machine, seen, nthread, kind
-        self.known: dict[GroundShape, Start] = {}
+        starts = kept(machine, shapes, seen, kind, partial(self._settled, shapes))
+        self.known = dict(zip(shapes, starts, strict=True))
 
     def of(self, shapes: Sequence[GroundShape]) -> list[Start]:
         """A start for each shape; those not known yet are settled side by side."""
         new = [shape for shape in dict.fromkeys(shapes) if shape not in self.known]
         if new:
-            settled = settle(self.machine, new, self.seen, self.nthread, self.kind)
-            self.known |= dict(zip(new, settled, strict=True))
+            self.known |= dict(zip(new, self._settled(new), strict=True))
         found = [self.known[shape] for shape in shapes]
         while len(self.known) > MOST_KEPT:
             self.known.popitem()
         return found
+
+    def _settled(self, shapes: Sequence[GroundShape]) -> list[Start]:
+        return settle(self.machine, shapes, self.seen, self.nthread, self.kind)
 
 
 def settle(
@@ -58,7 +70,7 @@ def settle(
         nthread: threads to roll on.
         kind: how the machine is driven.
     """
-    fleet = kind(machine, len(shapes), nthread)
+    fleet = kind(machine, len(shapes), nthread, sensed=seen)
     frames = stand(fleet, shapes)
     for _ in range(round(SETTLE_S / fleet.period_s)):
         fleet.drive(fleet.steady(), record=False)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from twin.compute.quaternion import cross, rotated, x_axis
 from twin.env.fleet import Fleet, Start
 from twin.env.grounds import Ground
-from twin.env.quantities import Ids, powers, true
+from twin.env.quantities import DRAFT, TORQUE, Ids, powers, true
 from twin.errors import BadInput
 from twin.machine.build import Machine
 from twin.simulation.driver import HitchControl
@@ -96,9 +96,12 @@ class TorqueFleet(Fleet):
         machine: Machine,
         nsim: int = 1,
         nthread: int = 1,
+        *,
+        sensed: bool = True,
         implement: Implement | None = None,
     ) -> None:
-        super().__init__(machine, nsim, nthread)
+        """As a fleet's; `implement` is what each pulls, None for the usual one."""
+        super().__init__(machine, nsim, nthread, sensed=sensed)
         model = machine.model
         self.implement = Pulled.of(implement or files.implement(USUAL_IMPLEMENT))
         self.tasks["hitch"], self.tasks["throttle"] = HitchControl.RAISED, 0.0
@@ -133,17 +136,16 @@ class TorqueFleet(Fleet):
         """Torques of the rear wheels, the engine's own shaft free; the cultivator pulls."""
         self._pull()
         self.torques = actions.copy()
-        self.decide()
+        self.control()
         self.ctrl[:, self.motors] = self.stall_nm * actions
 
-    def true(self, ids: Ids | None = None) -> dict[str, Array]:
+    def look(self, ids: Ids, out: Array) -> None:
         """As a fleet's, with the cultivator's draft and the motors' torque."""
-        some = slice(None) if ids is None else ids
+        true(*self.reported, self.driven, ids, out)
         drag = self.stall_nm / UNLOADED_RADPS
-        torque = self.stall_nm * self.torques[some] - drag * self.qvel[some][:, self.spins]
-        own = {"draft_n": self.draft[some], "axle_torque_nm": torque[:, 0] + torque[:, 1]}
-        now = true(self.reported, self.driven, ids) | own
-        return now | powers(now, LEAST_W)
+        torque = self.stall_nm * self.torques[ids] - drag * self.qvel[ids][:, self.spins]
+        out[DRAFT, ids], out[TORQUE, ids] = self.draft[ids], torque[:, 0] + torque[:, 1]
+        powers(ids, LEAST_W, out)
 
     def _draft(self) -> Array:
         """The cultivator's draft at the speed of now. Shape (nsim,)."""

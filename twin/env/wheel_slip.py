@@ -25,7 +25,7 @@ class WheelSlipEnv(SingleEnv):
     )
     ```
 
-    The second is `twin.env.vector.WheelSlipVectorEnv`: many tractors in one batch, the same numbers.
+    The second is `twin.env.vector.WheelSlipVectorEnv`: many tractors in one batch.
 
     ## Arguments
 
@@ -34,17 +34,17 @@ class WheelSlipEnv(SingleEnv):
     | `observation` | "estimate" | "estimate": an estimator's output and a gyroscope; "sensors": the latest raw samples; "truth": what is true, for ablation |
     | `estimator` | "four-state" | for "estimate": a registered name, or `module:Name` |
     | `slip_target` | 0.15 | slip to hold at each rear wheel [-], 0.02 to 0.4 |
-    | `render_mode` | None | "rgb_array": `render()` gives a picture; "human": a window, in the tractor's own time |
+    | `render_mode` | None | "rgb_array": `render()` gives a picture; "human": a window, no faster than real time |
     | `width`, `height` | 640, 480 | of the picture or the window [px], 16 to 4096 |
     | `machine` | "electric_tractor" | a machine with a motor on each rear wheel: a name of `twin list`, or a file |
     | `implement` | "cultivator_light" | what it pulls, by its draft alone: a name of `twin list`, or a file |
-    | `camera` | "follow" | where the eye is: "follow" (behind, to the left), "side", "behind", "front" or "top"; it stays with the tractor |
+    | `camera` | "follow" | viewpoint: "follow" (behind, to the left), "side", "behind", "front" or "top"; it stays with the tractor |
 
     ## Actions: `Box(-1, 1, (2,), float32)`, values outside are taken as the bound
 
     | # | name | -1 | +1 | meaning |
     |---|---|---|---|---|
-    | 0 | torque_left | -80 N m | 80 N m | torque of the left rear wheel's motor at rest; linear, at once; the motor gives 2 N m s/rad less as it turns, so an unloaded wheel reaches 40 rad/s (assumed) |
+    | 0 | torque_left | -80 N m | 80 N m | torque of the left rear wheel's motor at zero speed; linear in the action, without delay. It falls by 2 N m for each rad/s, so that an unloaded wheel reaches 40 rad/s (assumed) |
     | 1 | torque_right | -80 N m | 80 N m | the right one's |
 
     ## Observations: `Box(float32)`, finite, clipped to the bounds
@@ -54,7 +54,7 @@ class WheelSlipEnv(SingleEnv):
     or 0. Estimates and sensors are late by their own filters and latencies. Truth is of the
     instant of the observation.
 
-    Entries of "estimate", before those every mode ends with:
+    Entries of "estimate". The entries common to all modes follow them:
 
     | name | low | high | unit | meaning |
     |---|---|---|---|---|
@@ -67,7 +67,7 @@ class WheelSlipEnv(SingleEnv):
     | sideslip_rear_rad | -1.6 | 1.6 | rad | sideslip angle of the rear-axle centre, estimated |
     | imu.gyro_z_radps | -5 | 5 | rad/s | angular velocity, body z, measured |
 
-    Entries of "sensors", before those every mode ends with; columns of `twin.streams`:
+    Entries of "sensors", columns of `twin.streams`. The entries common to all modes follow them:
 
     | name | low | high | unit | meaning |
     |---|---|---|---|---|
@@ -87,7 +87,7 @@ class WheelSlipEnv(SingleEnv):
     | wheels.ticks_rl | -2000 | 2000 | counts | rear left |
     | wheels.ticks_rr | -2000 | 2000 | counts | rear right |
 
-    Entries of "truth", before those every mode ends with:
+    Entries of "truth". The entries common to all modes follow them:
 
     | name | low | high | unit | meaning |
     |---|---|---|---|---|
@@ -106,7 +106,7 @@ class WheelSlipEnv(SingleEnv):
     | load_rl_n | 0 | 200000 | N | normal load, rear left |
     | load_rr_n | 0 | 200000 | N | normal load, rear right |
 
-    Entries every mode ends with:
+    Entries common to all modes, after the mode's own:
 
     | name | low | high | unit | meaning |
     |---|---|---|---|---|
@@ -128,8 +128,8 @@ class WheelSlipEnv(SingleEnv):
 
     ## Start
 
-    A keyframe: rolling straight at 1 m/s, the cultivator of a soil of F = 0.7 in the ground, settled
-    for 6 s on its slope. Sensors and estimator have seen the last 2 s. The cultivator's draft is
+    A stored state, one of MuJoCo's keyframes: rolling straight at 1 m/s, settled for 6 s on its
+    slope, the cultivator in the ground with the draft of a soil of F = 0.7. Sensors and estimator have seen the last 2 s. The cultivator's draft is
     F (80 N + 130 N (v / 1 m/s)^2), after ASABE D497's form, pulled 0.12 m behind the rear axle and
     0.05 m above it; its size is assumed. The ground is drawn from the seed:
 
@@ -139,10 +139,10 @@ class WheelSlipEnv(SingleEnv):
     | friction | preset x U(0.85, 1.10) | `soil.friction` |
     | cone index | preset x U(0.80, 1.25) | `soil.cone_index_kpa` [kPa] |
     | draft scale | preset x U(0.80, 1.20) | `soil.draft_scale`, F of ASABE D497 |
-    | slope | one of 16 keyframes: cross slope within 10 deg, grade within 2 deg; the first is level | `field.cross_slope_deg` (rises to the left), `field.grade_deg` (rises ahead); a combination not seen before is settled first, some 0.2 s |
+    | slope | one of 16 keyframes: cross slope within 10 deg, grade within 2 deg; the first is level | `field.cross_slope_deg` (rises to the left), `field.grade_deg` (rises ahead); another combination is settled at its first use, which takes about 0.2 s of computing |
     | patches of weaker soil | 0 to 4; start 1 to 40 m ahead, length 2 to 8 m, friction x U(0.5, 1), cone index x U(0.6, 1) | `field.patches`, up to four of (start_m, length_m, friction factor, cone index factor) |
     | place in the field | within 1000 m, along and to the left | `field.origin_m` [m] |
-    | pattern of strength in the field, sensor errors | seeds | none |
+    | pattern of strength in the field, sensor errors | seeds | cannot be set |
 
     ## End
 
@@ -152,7 +152,7 @@ class WheelSlipEnv(SingleEnv):
     ## Errors
 
     A wrong shape or a NaN in the action, an unknown option or a value out of range raise
-    `twin.errors.TwinError` before anything has changed; the environment can be used on.
+    `twin.errors.TwinError`. The environment stays as it was, and you can go on.
 
     ## Version history
 

@@ -157,7 +157,12 @@ STREAMS: dict[str, Columns] = {
         ),
         "quality": Column("-", "-", "how well the two pictures match, 0 to 1"),
         "used": Column("true/false", "-", "whether the frame gave a velocity"),
-        "reason": Column("code", "-", "why it gave none: `estimators.odometry.lens.Reason`, int8"),
+        "reason": Column(
+            "code",
+            "-",
+            "why no velocity, int8: 0 there is one, 1 first frame or after a gap, 2 no frame, "
+            "3 one colour, 4 same frame again, 5 other size, 6 no match",
+        ),
     },
 }  # fmt: skip
 """Streams: sensor -> its columns beside the stamps. A sensor, or a column of it, may be absent."""
@@ -179,7 +184,7 @@ _POWERS = {
     "lift": "power that the lift takes from the linkage",
     "steer": "power that the steering takes from the front wheels",
     "contact": "power lost at MuJoCo's own contacts and joint limits",
-    "step": "remainder due to the finite time step, of first order in the step",
+    "step": "energy error of the time integration, which halves with the step",
 }
 
 _JOINTS = {
@@ -221,7 +226,7 @@ TRUTH: Columns = {
     ),
     "yaw_rate_radps": Column("rad/s", "ground", "yaw rate about the ground's normal"),
     "speed_mps": Column("m/s", "ground", "forward speed, the same as `v_x_rear_mps`"),
-    "wheel_speed_mps": Column("m/s", "-", "mean of w R over the driven wheels"),
+    "wheel_speed_mps": Column("m/s", "-", "mean of w R over the driven wheels, zero-slip R"),
     "slip": Column("-", "ground", "slip of the driven axle"),
     **_each_wheel("slip_{}", "-", "ground", "slip of the {} wheel"),
     **_each_wheel("load_{}_n", "N", "ground", "load on the {} wheel, normal to the ground"),
@@ -261,7 +266,7 @@ TRUTH: Columns = {
 ESTIMATES: Columns = {
     "epoch_ns": Column("ns", "-", "instant that the estimate describes, int64"),
     "speed_mps": Column("m/s", "ground", "forward speed of the rear-axle centre"),
-    "wheel_speed_mps": Column("m/s", "-", "mean of w R over the driven wheels"),
+    "wheel_speed_mps": Column("m/s", "-", "mean of w R over the driven wheels, R by the estimator"),
     "slip": Column("-", "ground", "slip of the driven axle"),
     "slip_sd": Column("-", "ground", "standard deviation of `slip`"),
     "slip_rl": Column("-", "ground", "slip of the rear left wheel"),

@@ -1,28 +1,64 @@
-"""Columns as a reader finds them, turned into numbers, stamps and labels. Rows count from 1."""
+"""Columns as a reader finds them, turned into numbers and labels. Rows count from 1."""
 
 from __future__ import annotations
 
-from datetime import UTC, datetime, timedelta
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.errors import BadInput
-from twin.logs.units import UNITS
+from twin.io.plain import Plain
 from twin.streams import Array
 
-Cells = list[str] | Array
-"""One column: text cells (CSV), or an array of numbers or datetime64 (Parquet)."""
-
-TIMESTAMP = "timestamp"
-"""The unit of a time column that holds ISO 8601 text or Parquet timestamps."""
 LARGEST = 1e30
 """No measurement is beyond this, in any unit; infinities are, and what would overflow."""
-_MISSING = {"", "na", "n/a", "null", "none", "nan"}
+MISSING = frozenset({
+    "", "na", "n/a", "n.a.", "#n/a", "#n/a n/a", "#na", "#nv", "null", "none", "nan", "-nan",
+    "+nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "1.#ind", "nil", "nat", "-", "--", "---",
+    "?", "missing", "invalid", "undefined", "#value!", "#div/0!", "#ref!", "#num!", "#name?", "\\n",
+    "not available", "no data", "nodata",
+})  # fmt: skip
+"""What tables write for a value that was not measured, in lower case."""
+NUMBER = r"^[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,4})?$"
+_AROUND = " \t\x00\"'\u00a0"
+"""What may stand around a cell and says nothing."""
 _LABEL_LENGTH = 64
-_MAX_NS = 2**62
-"""Half the int64 range (146 years), so that a difference of two stamps cannot overflow."""
-_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+
+
+@dataclass(frozen=True)
+class Text:
+    """Cells of text, as an Arrow array of strings."""
+
+    cells: Plain
+    decimal: str = "."
+    """The decimal sign."""
+
+    @classmethod
+    def of(cls, cells: Sequence[str]) -> Text:
+        """From strings; what is no Unicode becomes a question mark."""
+        import pyarrow as pa  # lazily: 0.1 s
+
+        clean = [c.encode("utf-8", "replace").decode() for c in cells]
+        return cls(pa.chunked_array([pa.array(clean, pa.string())]))
+
+    def __len__(self) -> int:
+        return len(self.cells)
+
+    def at(self, row: int) -> str:
+        """One cell."""
+        return str(self.cells[row].as_py() or "")
+
+    def kept(self, rows: NDArray[np.bool_]) -> Text:
+        """The chosen rows."""
+        import pyarrow as pa
+
+        return Text(self.cells.filter(pa.array(rows)), self.decimal)
+
+
+Cells = Text | Array
+"""One column: text cells, or an array of numbers or datetime64."""
 
 
 def quoted(cell: object) -> str:
@@ -31,24 +67,58 @@ def quoted(cell: object) -> str:
     return text if len(text) <= 40 else f"{text[:36]}...'"
 
 
-def numbers(name: str, cells: Cells) -> NDArray[np.float64]:
-    """The cells as floats; blank is NaN. Raises BadInput for text and beyond LARGEST."""
-    if isinstance(cells, list):
-        values = np.array([_number(name, row, c) for row, c in enumerate(cells, 1)], np.float64)
+def kept(cells: Cells, rows: NDArray[np.bool_]) -> Cells:
+    """The chosen rows of a column."""
+    if rows.all():
+        return cells
+    return cells.kept(rows) if isinstance(cells, Text) else cells[rows]
+
+
+def numbers(name: str, cells: Cells) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """The cells as floats, NaN where blank, and which cells hold no number. Raises BadInput."""
+    if isinstance(cells, Text):
+        values, wrong = _text_numbers(cells)
     elif cells.dtype.kind in "iufb":
-        values = cells.astype(np.float64)
+        values = np.asarray(cells, np.float64)
+        wrong = np.zeros(len(values), bool)
     else:
         raise BadInput(f"column {quoted(name)} holds {cells.dtype} values, not numbers")
-    huge = np.abs(values) > LARGEST
+    with np.errstate(invalid="ignore"):
+        huge = np.abs(values) > LARGEST
     if huge.any():
-        row = int(np.argmax(huge))
-        raise BadInput(f"column {quoted(name)}, row {row + 1}: {values[row]} is not a measurement")
+        values = np.where(huge, np.nan, values)
+        wrong = wrong | huge
+    return values, wrong
+
+
+def _text_numbers(text: Text) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    import pyarrow as pa
+    import pyarrow.compute as pc
+
+    if text.decimal == ".":
+        try:
+            return _floats(pc.cast(text.cells, pa.float64())), np.zeros(len(text), bool)
+        except pa.ArrowInvalid:
+            pass
+    trimmed = pc.utf8_trim(text.cells, _AROUND)
+    absent = pc.is_in(pc.utf8_lower(trimmed), pa.array(sorted(MISSING)))
+    if text.decimal != ".":
+        trimmed = pc.replace_substring(trimmed, text.decimal, ".")
+    right = pc.and_(pc.match_substring_regex(trimmed, NUMBER), pc.invert(absent))
+    number = pc.if_else(right, pc.utf8_ltrim(trimmed, "+"), pa.scalar(None, pa.string()))
+    wrong = pc.fill_null(pc.invert(pc.or_(right, absent)), False)
+    return _floats(pc.cast(number, pa.float64())), np.asarray(wrong)
+
+
+def _floats(column: Plain) -> NDArray[np.float64]:
+    values: NDArray[np.float64] = column.to_numpy()
     return values
 
 
 def labels(name: str, cells: Cells) -> NDArray[np.str_]:
     """The cells as text. Raises BadInput for a label over 64 characters."""
-    text = [str(c).strip() for c in cells]
+    raw = cells.cells.to_pylist() if isinstance(cells, Text) else cells
+    text = ["" if c is None else str(c).strip(_AROUND) for c in raw]
     for row, label in enumerate(text, 1):
         if len(label) > _LABEL_LENGTH:
             raise BadInput(
@@ -58,96 +128,6 @@ def labels(name: str, cells: Cells) -> NDArray[np.str_]:
     return np.array(text, dtype=np.str_)
 
 
-def stamps_ns(name: str, cells: Cells, unit: str) -> NDArray[np.int64]:
-    """The cells as strictly increasing int64 nanoseconds. Raises BadInput that says where not."""
-    if unit == TIMESTAMP:
-        stamps = _timestamps_ns(name, cells)
-    elif (exact := _integers(cells)) is not None:
-        stamps = _scaled_integers(name, exact, round(UNITS["time"][unit] * 1e9))
-    else:
-        stamps = _scaled_floats(name, numbers(name, cells), UNITS["time"][unit])
-    check_times(name, stamps)
-    return stamps
-
-
-def check_times(name: str, stamps: NDArray[np.int64]) -> None:
-    """Raise BadInput unless times rise strictly, within 146 years of zero."""
-    if len(stamps) and max(abs(int(stamps.min())), abs(int(stamps.max()))) > _MAX_NS:
-        raise _too_far(name, int(np.argmax(np.abs(stamps / 2)) + 1), f"{np.abs(stamps).max()} ns")
-    step = np.diff(stamps)
-    if np.all(step > 0):
-        return
-    row = int(np.argmax(step <= 0)) + 1
-    was_s, is_s = stamps[row - 1] * 1e-9, stamps[row] * 1e-9
-    what = "is repeated" if step[row - 1] == 0 else f"comes after {was_s:.9g} s: out of order"
-    raise BadInput(f"column {quoted(name)}, row {row + 1}: time {is_s:.9g} s {what}; sort the rows")
-
-
-def _number(name: str, row: int, cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        if cell.strip().lower() in _MISSING:
-            return float("nan")
-        hint = " (the decimal sign is a point)" if cell.count(",") == 1 else ""
-        raise BadInput(
-            f"column {quoted(name)}, row {row}: {quoted(cell)} is not a number{hint}"
-        ) from None
-
-
-def _integers(cells: Cells) -> list[int] | None:
-    """The cells as integers if all are, so that nanoseconds since 1970 keep their last digits."""
-    if not isinstance(cells, list):
-        return cells.tolist() if cells.dtype.kind in "iu" else None
-    try:
-        return [int(c) for c in cells]
-    except ValueError:
-        return None
-
-
-def _scaled_integers(name: str, values: list[int], factor: int) -> NDArray[np.int64]:
-    for row, value in enumerate(values, 1):
-        if abs(value * factor) > _MAX_NS:
-            raise _too_far(name, row, value)
-    return np.array([v * factor for v in values], np.int64)
-
-
-def _scaled_floats(name: str, values: NDArray[np.float64], factor: float) -> NDArray[np.int64]:
-    missing = np.isnan(values)
-    if missing.any():
-        raise BadInput(f"column {quoted(name)}, row {int(np.argmax(missing)) + 1}: no time")
-    far = np.abs(values) > _MAX_NS / 1e9 / factor
-    if far.any():
-        row = int(np.argmax(far))
-        raise _too_far(name, row + 1, values[row])
-    return np.round(values * (factor * 1e9)).astype(np.int64)
-
-
-def _too_far(name: str, row: int, value: object) -> BadInput:
-    return BadInput(
-        f"column {quoted(name)}, row {row}: time {quoted(value)} is more than 146 years from zero;"
-        " is the unit right?"
-    )
-
-
-def _timestamps_ns(name: str, cells: Cells) -> NDArray[np.int64]:
-    if isinstance(cells, list):
-        stamps = [_iso_ns(name, row, c) for row, c in enumerate(cells, 1)]
-        return _scaled_integers(name, stamps, 1)
-    if cells.dtype != np.dtype("datetime64[ns]"):
-        raise BadInput(f"column {quoted(name)} holds {cells.dtype} values, not timestamps")
-    if np.isnat(cells).any():
-        raise BadInput(f"column {quoted(name)}, row {int(np.argmax(np.isnat(cells))) + 1}: no time")
-    return _scaled_integers(name, cells.astype(np.int64).tolist(), 1)
-
-
-def _iso_ns(name: str, row: int, cell: str) -> int:
-    """Nanoseconds since 1970; a stamp without a zone is UTC."""
-    try:
-        stamp = datetime.fromisoformat(cell.strip())
-        stamp = stamp if stamp.tzinfo else stamp.replace(tzinfo=UTC)
-        return (stamp - _EPOCH) // timedelta(microseconds=1) * 1000
-    except (ValueError, OverflowError):
-        raise BadInput(
-            f"column {quoted(name)}, row {row}: {quoted(cell)} is not an ISO 8601 time"
-        ) from None
+def cell_text(cells: Cells, row: int) -> str:
+    """A cell as it stands in the log."""
+    return cells.at(row) if isinstance(cells, Text) else str(cells[row])

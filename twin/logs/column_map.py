@@ -1,17 +1,23 @@
 """The column map: a small TOML that says which column of a log is what, and in which unit.
 
-    [log]        time = {column = "time_s", unit = "s"}
+    [log]        time = {column = "time_s", unit = "s"}; encoding, delimiter, decimal, dbc,
+                 bad_rows, offset_s: see `Reading`
     [gnss]       latitude, longitude, height, speed, course, heading, ...   (all are in QUANTITIES)
     [wheels]     driven_speed = {column = "wheel_speed_kmh", unit = "km/h"}, or by wheel
-    [imu] [depth] [machine]
+    [imu]        gyro_z, accel_x, ...; axes = "FRD" where y points right and z down
+    [depth] [machine]
     [rows]       state = {column = "state"}: labels, for the rules
     [reference]  slip = {column = "slip_radar", unit = "%"}: scored against
     [zero_slip]  where = {state = ["M"]}, min_speed_kmh = 5.0: rows in which the wheels do not slip
     [steady]     the same, and max_speed_change_kmhps: rows of steady work
+    [protocol]   zero_pull_passes_s = [[120, 180], [200, 260]], ...: when its parts were driven
+    [implement]  width_m, name: litres per hectare follow from the working width
     [setup]      machine, wheelbase_m, ...; [setup.gnss], ... as in `twin.streams.Setup`
 
-An angle is in the compass's sense (clockwise from north) unless its `convention` is "east", the
-counter-clockwise from east that the streams use.
+Every quantity may have scale and offset (value = scale x cell + offset, in its unit), sign = -1,
+and missing = [...], cells that stand for no value. A section may have a time of its own, as
+[log] has. An angle is in the compass's sense (clockwise from north) unless its `convention` is
+"east", the counter-clockwise from east that the streams use.
 """
 
 from __future__ import annotations
@@ -23,17 +29,22 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 
 from twin.errors import BadInput, UnknownName
-from twin.logs.cells import TIMESTAMP
+from twin.logs.job import Implement, implement_from
+from twin.logs.protocol_parts import KEYS, Part, Times, written_from
 from twin.logs.quantities import QUANTITIES
+from twin.logs.readers.reading import Reading
 from twin.logs.rules import Rule
 from twin.logs.setup_block import setup_from
-from twin.logs.units import UNITS
+from twin.logs.stamps import TIMESTAMP
+from twin.logs.units import UNITS, WHEEL_RATES
 
 RULES = ("zero_slip", "steady")
-SECTIONS = ("log", *QUANTITIES, "rows", *RULES, "setup")
+SECTIONS = ("log", *QUANTITIES, "rows", *RULES, "implement", "protocol", "setup")
 CONVENTIONS = ("compass", "east")
 BEARINGS = ("course", "heading")
 """Angles that a log may count from north."""
+AXES = ("FLU", "FRD")
+"""Body axes: forward, left, up as the streams have them, or forward, right, down."""
 _LARGEST_BYTES = 1_000_000
 
 
@@ -44,6 +55,13 @@ class Source:
     column: str
     unit: str
     convention: str = "compass"
+    scale: float = 1.0
+    offset: float = 0.0
+    """In the unit: value = sign (scale x cell + offset)."""
+    missing: tuple[float, ...] = ()
+    """Cells that stand for no value."""
+    layout: str = ""
+    """Of a timestamp, as strftime writes it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,11 +71,25 @@ class ColumnMap:
     time: Source | None = None
     columns: Mapping[str, Mapping[str, Source]] = field(default_factory=dict)
     """Section -> key -> source, for the sections of QUANTITIES."""
+    times: Mapping[str, Source] = field(default_factory=dict)
+    """Section -> where its own times are, for sections that are not timed as the rest is."""
+    axes: Mapping[str, str] = field(default_factory=dict)
+    """Section -> its body axes, one of AXES."""
+    reading: Reading = field(default_factory=Reading)
     labels: Mapping[str, str] = field(default_factory=dict)
     """Label name -> column."""
     rules: Mapping[str, Rule] = field(default_factory=dict)
+    implement: Implement | None = None
+    protocol: Mapping[Part, Times] = field(default_factory=dict)
     setup: Mapping[str, object] = field(default_factory=dict)
     """The [setup] table as it stands; every value in it has been checked."""
+
+    def asked(self) -> frozenset[str]:
+        """Names of all columns that the map asks for, also without the file they are named with."""
+        sources = [s for section in self.columns.values() for s in section.values()]
+        sources += [*self.times.values(), *([self.time] if self.time else [])]
+        names = {*(s.column for s in sources), *self.labels.values()}
+        return frozenset(names | {n.partition(":")[2] for n in names if ":" in n})
 
 
 def read_column_map(path: Path) -> ColumnMap:
@@ -74,44 +106,87 @@ def read_column_map(path: Path) -> ColumnMap:
         if isinstance(error, BadInput):
             raise
         raise BadInput("not TOML that can be read: nested too deep or a number too long") from None
-    return column_map_from(raw)
+    return column_map_from(raw, path.parent)
 
 
-def column_map_from(raw: Mapping[str, object]) -> ColumnMap:
-    """The map from parsed TOML. Raises BadInput that names the key."""
+def column_map_from(raw: Mapping[str, object], folder: Path = Path()) -> ColumnMap:
+    """The map from parsed TOML; files it names are in `folder`. Raises BadInput with the key."""
     _known(raw, "section", SECTIONS)
     tables = {name: _table(section, name) for name, section in raw.items()}
     setup = tables.get("setup", {})
     setup_from(setup, assume=True)
     labels = {k: _label(k, v) for k, v in tables.get("rows", {}).items()}
+    sections = [s for s in QUANTITIES if s in tables]
     return ColumnMap(
-        time=_time(tables.get("log", {})),
-        columns={s: _sources(s, tables[s]) for s in QUANTITIES if s in tables},
+        time=_time("log", tables.get("log", {})),
+        columns={s: _sources(s, tables[s]) for s in sections},
+        times={s: time for s in sections if (time := _time(s, tables[s]))},
+        axes={"imu": _axes(tables.get("imu", {}))},
+        reading=_reading(tables.get("log", {}), folder),
         labels=labels,
         rules={r: _rule(r, tables[r], labels) for r in RULES if r in tables},
+        implement=_implement(tables["implement"]) if "implement" in tables else None,
+        protocol=_protocol(tables.get("protocol", {})),
         setup=setup,
     )
 
 
-def _time(section: Mapping[str, object]) -> Source | None:
-    _known(section, "key of [log]", ("time",))
+def _time(name: str, section: Mapping[str, object]) -> Source | None:
     if "time" not in section:
         return None
-    return _source("log.time", section["time"], (*UNITS["time"], TIMESTAMP), bearing=False)
+    return _source(f"{name}.time", section["time"], (*UNITS["time"], TIMESTAMP), time=True)
+
+
+def _axes(section: Mapping[str, object]) -> str:
+    axes = section.get("axes", AXES[0])
+    if not isinstance(axes, str) or axes not in AXES:
+        raise BadInput(f"imu.axes: {UnknownName('set of axes', str(axes), AXES)}")
+    return axes
+
+
+def _reading(section: Mapping[str, object], folder: Path) -> Reading:
+    """How files are to be read, from [log]."""
+    texts = ("encoding", "delimiter", "decimal")
+    _known(section, "key of [log]", ("time", *texts, "dbc", "bad_rows", "offset_s"))
+    text = {key: _text(f"log.{key}", section[key], "text") for key in texts if key in section}
+    if text.get("decimal", ".") not in (".", ","):
+        raise BadInput(f"log.decimal = {text['decimal']!r} must be '.' or ','")
+    if len(text.get("delimiter", ",")) != 1:
+        raise BadInput(f"log.delimiter = {text['delimiter']!r} must be one character")
+    dbc = section.get("dbc", [])
+    files = [_text("log.dbc", d, "file") for d in (dbc if isinstance(dbc, list) else [dbc])]
+    bad_rows = _limit("log.bad_rows", section["bad_rows"]) if "bad_rows" in section else None
+    offsets = _table(section.get("offset_s", {}), "log.offset_s")
+    return Reading(
+        encoding=text.get("encoding", ""), delimiter=text.get("delimiter", ""),
+        decimal=text.get("decimal", ""), dbc=tuple(folder / f for f in files), bad_rows=bad_rows,
+        offset_s={name: _number(f"log.offset_s.{name}", v) for name, v in offsets.items()},
+    )  # fmt: skip
 
 
 def _sources(name: str, section: Mapping[str, object]) -> dict[str, Source]:
     quantities = QUANTITIES[name]
-    _known(section, f"key of [{name}]", quantities)
+    _known(section, f"key of [{name}]", (*quantities, "time", *["axes"] * (name == "imu")))
     return {
-        key: _source(f"{name}.{key}", raw, UNITS[quantities[key].dimension], key in BEARINGS)
-        for key, raw in section.items()
+        key: _source(f"{name}.{key}", section[key], _units(name, key), bearing=key in BEARINGS)
+        for key in section
+        if key in quantities
     }
 
 
-def _source(where: str, raw: object, units: Iterable[str], bearing: bool) -> Source:
+def _units(section: str, key: str) -> tuple[str, ...]:
+    dimension = QUANTITIES[section][key].dimension
+    turning = section == "wheels" and dimension == "speed" and key != "speed_sd"
+    angle = UNITS["angle"] if key.startswith("ticks_") else ()
+    return (*UNITS[dimension], *(WHEEL_RATES if turning else ()), *angle)
+
+
+def _source(
+    where: str, raw: object, units: Iterable[str], bearing: bool = False, time: bool = False
+) -> Source:
     given = _table(raw, where)
-    _known(given, f"key of {where}", ("column", "unit", *["convention"] * bearing))
+    more = ("format",) if time else ("scale", "offset", "sign", "missing")
+    _known(given, f"key of {where}", ("column", "unit", *more, *["convention"] * bearing))
     column, unit = _text(f"{where}.column", given.get("column")), given.get("unit")
     if unit is None:
         raise BadInput(f"{where} has no unit; one of {', '.join(units)} will do")
@@ -121,7 +196,36 @@ def _source(where: str, raw: object, units: Iterable[str], bearing: bool) -> Sou
     if not isinstance(convention, str) or convention not in CONVENTIONS:
         known = UnknownName("convention", str(convention), CONVENTIONS)
         raise BadInput(f"{where}.convention: {known}")
-    return Source(column, unit, convention)
+    sign = given.get("sign", 1)
+    if sign not in (1, -1) or isinstance(sign, bool):
+        raise BadInput(f"{where}.sign = {sign!r} must be 1 or -1")
+    missing = given.get("missing", [])
+    codes = missing if isinstance(missing, list) else [missing]
+    return Source(
+        column, unit, convention,
+        scale=_number(f"{where}.scale", given.get("scale", 1.0)) * int(sign),
+        offset=_number(f"{where}.offset", given.get("offset", 0.0)) * int(sign),
+        missing=tuple(_number(f"{where}.missing", m) for m in codes),
+        layout=_text(f"{where}.format", given["format"], "format") if "format" in given else "",
+    )  # fmt: skip
+
+
+def _number(where: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise BadInput(f"{where} = {value!r} must be a number")
+    if not abs(value) < 1e15:  # a NaN is not
+        raise BadInput(f"{where} = {value} is outside (-1e15, 1e15)")
+    return float(value)
+
+
+def _protocol(section: Mapping[str, object]) -> dict[Part, Times]:
+    _known(section, "key of [protocol]", KEYS)
+    return written_from(section)
+
+
+def _implement(section: Mapping[str, object]) -> Implement:
+    _known(section, "key of [implement]", (f.name for f in fields(Implement)))
+    return implement_from(section)
 
 
 def _label(name: str, raw: object) -> str:
@@ -158,9 +262,9 @@ def _table(raw: object, where: str) -> Mapping[str, object]:
     return raw
 
 
-def _text(where: str, value: object) -> str:
-    if not isinstance(value, str) or not value:
-        raise BadInput(f"{where} must be the name of a column, in quotes")
+def _text(where: str, value: object, what: str = "column") -> str:
+    if not isinstance(value, str) or not value or len(value) > 1000:
+        raise BadInput(f"{where} must be the name of a {what}, in quotes")
     return value
 
 

@@ -9,15 +9,18 @@ from twin.streams import Array
 
 GAP_STEPS = 2.5
 """A step of more median steps than this is a gap."""
+LEAST_S = 0.5
+"""A shorter step changes no estimate."""
 _TOLD = 5
 
 
 def gap_notes(name: str, epoch_ns: NDArray[np.int64]) -> list[str]:
-    """A note for each step of more than 2.5 median steps; after five, how many more."""
+    """A note for each step of more than 2.5 median steps and 0.5 s; after five, how many more."""
     step_ns = np.diff(epoch_ns)
     if len(step_ns) < 2:
         return []
-    at = np.flatnonzero(step_ns > GAP_STEPS * np.median(step_ns))
+    longest_ns = max(GAP_STEPS * float(np.median(step_ns)), LEAST_S * 1e9)
+    at = np.flatnonzero(step_ns > longest_ns)
     notes = [f"{name}: gap of {step_ns[i] * 1e-9:.1f} s at row {i + 2}" for i in at[:_TOLD]]
     if len(at) > _TOLD:
         longest = f"the longest {step_ns[at].max() * 1e-9:.1f} s"

@@ -47,3 +47,28 @@ def enu_m(
     north = np.cos(lat) * z - np.sin(lat) * outward
     up = np.cos(lat) * outward + np.sin(lat) * z
     return east, north, up
+
+
+def geodetic_rad(
+    east_m: Array, north_m: Array, up_m: Array, origin: tuple[float, float, float]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Latitude, longitude [rad] and height [m] of points of the tangent plane: undoes `enu_m`.
+
+    tan(lat) = (z + e2 N sin(lat)) / p, iterated: five steps are exact to 1e-12 rad near the ground.
+    """
+    lat0, lon0, _ = origin
+    x0, y0, z0 = ecef_m(*map(np.asarray, origin))
+    outward = np.cos(lat0) * up_m - np.sin(lat0) * north_m
+    x = x0 + np.cos(lon0) * outward - np.sin(lon0) * east_m
+    y = y0 + np.sin(lon0) * outward + np.cos(lon0) * east_m
+    z = z0 + np.cos(lat0) * north_m + np.sin(lat0) * up_m
+    across = np.hypot(x, y)
+    latitude = np.full_like(across, lat0)
+    for _ in range(5):
+        normal = SEMI_MAJOR_M / np.sqrt(1.0 - ECCENTRICITY_SQ * np.sin(latitude) ** 2)
+        latitude = np.arctan2(z + ECCENTRICITY_SQ * normal * np.sin(latitude), across)
+    normal = SEMI_MAJOR_M / np.sqrt(1.0 - ECCENTRICITY_SQ * np.sin(latitude) ** 2)
+    height = across * np.cos(latitude) + z * np.sin(latitude) - (
+        normal * (1.0 - ECCENTRICITY_SQ * np.sin(latitude) ** 2)
+    )  # fmt: skip
+    return latitude, np.arctan2(y, x), height

@@ -86,12 +86,21 @@ def table_of(where: str, raw: object) -> Mapping[str, object]:
 
 
 def assumed_names(raw: Mapping[str, object], sensors: tuple[str, ...]) -> tuple[str, ...]:
-    """Names of the values of ASSUMED that stand in for what `raw` does not give."""
-    names = [k for k in ASSUMED[""] if k not in raw]
+    """The values of ASSUMED that stand in for what `raw` does not give, as `name = value`."""
+    names = [_said(k, v) for k, v in ASSUMED[""].items() if k not in raw]
     for sensor in sensors:
         given = table_of(f"setup.{sensor}", raw.get(sensor, {}))
-        names += [f"{sensor}.{k}" for k in ASSUMED[sensor] if k not in given]
+        names += [_said(f"{sensor}.{k}", v) for k, v in ASSUMED[sensor].items() if k not in given]
     return tuple(names)
+
+
+def _said(name: str, value: object) -> str:
+    """`name = value`; of wheels, name and value each."""
+    if isinstance(value, Mapping):
+        return f"{name} = " + " ".join(f"{key} {part:g}" for key, part in value.items())
+    if isinstance(value, tuple):
+        return f"{name} = [{' '.join(f'{part:g}' for part in value)}]"
+    return f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {value}"
 
 
 def _fields(

@@ -28,6 +28,8 @@ def paired_speeds(streams: Streams) -> tuple[Array, Array]:
     if "gnss" not in streams or "wheels" not in streams:
         return np.empty(0), np.empty(0)
     ground, driven = ground_speed_mps(streams), driven_speed_mps(streams)
+    if np.array_equal(streams["gnss"]["epoch_ns"], streams["wheels"]["epoch_ns"]):
+        return ground, driven
     start = int(streams["gnss"]["epoch_ns"][0])
     gnss_s, wheels_s = ((streams[s]["epoch_ns"] - start) * 1e-9 for s in ("gnss", "wheels"))
     return between(wheels_s, gnss_s, ground), driven

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from twin.compute.compiled import inlined_law, law
 from twin.physics.engine import ELECTRIC
 
 Array = NDArray[np.float64]
+Number = TypeVar("Number", float, Array)
 
 MOST_REDUCED = 0.5
 """Reduction of the engine speed beyond which the law is not carried on [-]."""
@@ -50,11 +53,46 @@ def fuel_lph(
     power_w, radps = np.asarray(crank_power_w, np.float64), np.asarray(rate_radps, np.float64)
     if numbers["engine.kind"] == ELECTRIC:
         return np.zeros(np.broadcast_shapes(power_w.shape, radps.shape))
-    rated_radps = numbers["engine.rated_rpm"] * math.pi / 30.0
-    rated_w = numbers["engine.rated_torque_nm"] * rated_radps
-    x = np.maximum(power_w / rated_w, 0.0)
-    n = 100.0 * np.clip(1.0 - radps / rated_radps, 0.0, MOST_REDUCED)
-    pto_kw = 1e-3 * numbers["engine.pto_efficiency"] * rated_w
-    rate = (0.22 * x + 0.096) * (1.0 + 0.0045 * x * n - 0.00877 * n) * pto_kw
-    rate = rate * numbers.get("engine.fuel_ratio", 1.0)
-    return np.where(power_w > 0.0, rate, 0.0)
+    engine = rated(numbers)
+    x = np.maximum(power_w / engine.power_w, 0.0)
+    n = 100.0 * np.clip(1.0 - radps / engine.radps, 0.0, MOST_REDUCED)
+    return np.where(power_w > 0.0, d497_lph(x, n, engine.pto_kw), 0.0)
+
+
+def d497_lph(x: Number, n: Number, pto_kw: float) -> Number:
+    """The law itself, (0.22 X + 0.096) (1 + 0.0045 X N - 0.00877 N) P, of numbers or arrays."""
+    return (0.22 * x + 0.096) * (1.0 + 0.0045 * x * n - 0.00877 * n) * pto_kw
+
+
+inlined_d497_lph = inlined_law(d497_lph)
+
+
+class Rated(NamedTuple):
+    """What the law needs to know of an engine."""
+
+    power_w: float
+    """T_r w_r; 0 of a motor, which burns nothing."""
+    radps: float
+    """w_r."""
+    pto_kw: float
+    """P, and more or less of it where the engine's own fuel at rated power was measured."""
+
+
+def rated(numbers: Mapping[str, float]) -> Rated:
+    """What the law needs, from a machine's own numbers."""
+    if numbers["engine.kind"] == ELECTRIC:
+        return Rated(0.0, 0.0, 0.0)
+    radps = numbers["engine.rated_rpm"] * math.pi / 30.0
+    power_w = numbers["engine.rated_torque_nm"] * radps
+    pto_kw = 1e-3 * numbers["engine.pto_efficiency"] * power_w
+    return Rated(power_w, radps, pto_kw * numbers.get("engine.fuel_ratio", 1.0))
+
+
+@law
+def engine_fuel_lph(engine: Rated, power_w: float, radps: float) -> float:
+    """`fuel_lph` of one engine."""
+    if engine.power_w == 0.0 or not power_w > 0.0:
+        return 0.0
+    x = max(power_w / engine.power_w, 0.0)
+    n = 100.0 * min(max(1.0 - radps / engine.radps, 0.0), MOST_REDUCED)
+    return inlined_d497_lph(x, n, engine.pto_kw)

@@ -32,11 +32,6 @@ ENDLESS_M = 1e9
 """Where a furrow ends that the run does not leave."""
 MAPS = {"heights": Field.HEIGHTS, "mixture": Field.MIXTURE}
 """Height fields of the model that the laws read, and where the block says how they lie."""
-BUILD = (
-    Wheel.SLIP_RATE_CHANGE, Wheel.ROLLING_MOMENT_CHANGE, Wheel.MOBILITY_RESISTANCE_CHANGE,
-    Wheel.PAIRED,
-)  # fmt: skip
-"""What a radial tyre changes of Brixius' law, and pairs; nothing where a model says nothing."""
 CONTROLS = {"clutch": "clutch_pedal", "lock": "differential_lock", "front_drive": "front_drive"}
 
 
@@ -217,7 +212,7 @@ def _wheel(model: mujoco.MjModel, wheel: str, numbers: dict[str, float], front_g
         Wheel.TYRE: memory.address(model, f"{wheel}_tyre_x"),
         **named,
         **tread_part(named),
-        **{f: numbers.get(f"tyre_{axle}.{f.name.lower()}", 0.0) for f in BUILD},
+        **{f: numbers.get(f"tyre_{axle}.{f.name.lower()}", 0.0) for f in block.BUILD},
     }
 
 

@@ -136,6 +136,13 @@ class Wheel(IntEnum):
     SIZE = 24
 
 
+BUILD = (
+    Wheel.SLIP_RATE_CHANGE, Wheel.ROLLING_MOMENT_CHANGE, Wheel.MOBILITY_RESISTANCE_CHANGE,
+    Wheel.PAIRED,
+)  # fmt: skip
+"""What a radial tyre changes of Brixius' law, and pairs; nothing where a model says nothing."""
+
+
 class Envelope(IntEnum):
     """Radii whose envelopes stand one after another, each along and then across the ground."""
 

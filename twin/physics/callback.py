@@ -12,7 +12,7 @@ from collections.abc import Callable
 from functools import cache
 
 import mujoco
-from numba import carray, types
+from numba import types
 
 from twin.compute.compiled import c_callback, law
 from twin.errors import BadInput
@@ -82,7 +82,7 @@ def find_block(model: int) -> int:
     if memory.ints(model, NUMERIC_SIZE)[count - 1] != BLOCK_SIZE:
         return -1
     address = memory.ints(model, NUMERIC_ADR)[count - 1]
-    head = carray(memory.doubles(model, NUMERIC_DATA), address + BLOCK_SIZE)[address:]
+    head = memory.row(memory.doubles(model, NUMERIC_DATA), address + BLOCK_SIZE)[address:]
     if head[Head.MAGIC] != MAGIC or head[Head.VERSION] != VERSION:
         return -1
     if head[Head.RATES] < SCRATCH_SLOTS + SOIL_SIZE:
@@ -183,22 +183,23 @@ def ground_forces(model: int, data: int) -> None:
     address = find_block(model)
     if address < 0:
         return
-    parameters = carray(memory.doubles(model, NUMERIC_DATA), address + BLOCK_SIZE)[address:]
+    parameters = memory.row(memory.doubles(model, NUMERIC_DATA), address + BLOCK_SIZE)[address:]
     nv, nbody = memory.size(model, NV), memory.size(model, NBODY)
-    xpos = carray(memory.doubles(data, XPOS), (nbody, 3))
-    xmat = carray(memory.doubles(data, XMAT), (nbody, 9))
-    cvel = carray(memory.doubles(data, CVEL), (nbody, 6))
-    com = carray(memory.doubles(data, SUBTREE_COM), (nbody, 3))
-    cdof, parent = carray(memory.doubles(data, CDOF), (nv, 6)), memory.ints(model, DOF_PARENTID)
+    xpos = memory.table(memory.doubles(data, XPOS), nbody, 3)
+    xmat = memory.table(memory.doubles(data, XMAT), nbody, 9)
+    cvel = memory.table(memory.doubles(data, CVEL), nbody, 6)
+    com = memory.table(memory.doubles(data, SUBTREE_COM), nbody, 3)
+    cdof, parent = memory.table(memory.doubles(data, CDOF), nv, 6), memory.ints(model, DOF_PARENTID)
     qvel, passive = memory.doubles(data, QVEL), memory.doubles(data, QFRC_PASSIVE)
     act, ctrl = memory.doubles(data, ACT), memory.doubles(data, CTRL)
     rate_slots = int(parameters[Head.RATES])
-    slots = carray(memory.doubles(data, USERDATA), rate_slots + 64)
+    slots = memory.row(memory.doubles(data, USERDATA), rate_slots + 64)
     rates, powers = slots[rate_slots:], slots[POWER_SLOTS:SCRATCH_SLOTS]
     here = slots[SCRATCH_SLOTS:rate_slots]
-    slots[MACHINE_SLOTS:SCRATCH_SLOTS] = 0.0
+    for i in range(MACHINE_SLOTS, SCRATCH_SLOTS):
+        slots[i] = 0.0
     dt_s = memory.double(model, TIMESTEP)
-    nodes = carray(memory.floats(model, HFIELD_DATA), memory.size(model, NHFIELDDATA))
+    nodes = memory.row(memory.floats(model, HFIELD_DATA), memory.size(model, NHFIELDDATA))
     for w in range(4):
         wheel = parameters[WHEEL + w * WHEEL_SIZE : WHEEL + (w + 1) * WHEEL_SIZE]
         body = int(wheel[Wheel.BODY])

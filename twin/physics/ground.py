@@ -225,7 +225,8 @@ def soil_at(field: Array, soil: Array, nodes: Array, s_m: float, t_m: float, out
 
     Where the two soils meet their numbers are mixed; the law is that of the larger share.
     """
-    out[:] = soil[:]
+    for i in range(len(soil)):
+        out[i] = soil[i]
     if field[Field.MIXTURE + Grid.ROWS] != 0.0:
         share = on_map(field, Field.MIXTURE, nodes, s_m, t_m)[0]
         for i in range(len(soil)):

@@ -25,6 +25,7 @@ from numba.core.ccallback import CFunc
 
 from twin.compute.compiled import key, law
 from twin.errors import BadInput
+from twin.physics import memory
 from twin.physics.block import Plough, Soil
 from twin.physics.law_table import (
     IMPLEMENT_SIGNATURE,
@@ -54,7 +55,7 @@ def implement_forces(
     NaN where this process does not know the law.
     """
     number = plough[Plough.LAW]
-    table = carray(implement_table_pointer(), (MOST_LAWS, 2), np.int64)
+    table = memory.table(implement_table_pointer(), MOST_LAWS, 2)
     for i in range(MOST_LAWS):
         if table[i, 0] == number and table[i, 1] != 0:
             draft, vertical, side = call_implement(

@@ -5,10 +5,11 @@ A law is a pure function
     law(soil, wheel, load_n, slip, side_slip)
         -> shear_x_n, shear_y_n, resistance_n, rolling_moment_n, sinkage_m
 
-as `twin.physics.brixius.brixius` and `twin.physics.bekker.bekker` are. A user's own law is compiled
-when a machine is built, kept by this process in a table of function addresses, and found there by
-the number its source text gives it: a model that is loaded where its law is not known, or is known
-in another form, gets no forces but NaN.
+as `twin.physics.brixius.brixius` and `twin.physics.bekker.bekker` are. Brixius' is a part of the
+callback. Any other is compiled when a machine that needs it is built, and kept by this process in a
+table of function addresses. A user's own law is found there by the number its source text gives it.
+A model that is loaded where its law is not known, or is known in another form, gets no forces but
+NaN.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numba
@@ -23,12 +25,14 @@ import numpy as np
 from numba import carray
 from numba.core.ccallback import CFunc
 
-from twin.compute.compiled import inlined_law, key
+from twin.compute.compiled import c_callback, inlined_law, key
 from twin.errors import BadInput
+from twin.physics import memory
 from twin.physics.bekker import bekker
 from twin.physics.block import Soil, Wheel
 from twin.physics.brixius import brixius
 from twin.physics.law_table import MOST_LAWS, SIGNATURE, TABLE, call, frozen, table_pointer
+from twin.physics.memory import Pointer
 from twin.physics.shapes import Array, Forces
 from twin.plugins.failing import WRITES
 from twin.plugins.lookup import attribute, words
@@ -46,9 +50,7 @@ def soil_forces(
     number = soil[Soil.LAW]
     if number == BRIXIUS:
         return brixius(soil, wheel, load_n, slip, side_slip)
-    if number == BEKKER:
-        return bekker(soil, wheel, load_n, slip, side_slip)
-    table = carray(table_pointer(), (MOST_LAWS, 2), np.int64)
+    table = memory.table(table_pointer(), MOST_LAWS, 2)
     for i in range(MOST_LAWS):
         if table[i, 0] == number and table[i, 1] != 0:
             at = table[i, 1]
@@ -57,11 +59,13 @@ def soil_forces(
 
 
 def law_number(name: str) -> float:
-    """The number of a soil law for the parameter block; a `module:function` is compiled first.
+    """The number of a soil law for the parameter block; any but Brixius' is compiled first.
 
     Raises:
         BadInput: it cannot be imported, or cannot be compiled to a law.
     """
+    if name == "bekker":
+        _enter(int(BEKKER), _compiled_bekker(), name)
     if name in LAWS:
         return float(LAWS.index(name))
     return register(attribute("soil law", name), name)
@@ -75,15 +79,34 @@ def register(function: Callable[..., Forces], name: str) -> float:
         name: what messages call it.
     """
     number = int(key(Path(__file__), source_of(function, name, "soil law"), name)[:12], 16)
-    rows = np.flatnonzero((TABLE[:, 0] == number) | (TABLE[:, 1] == 0))
-    if not rows.size:
-        raise BadInput(f"soil law '{name}': this process knows {MOST_LAWS} laws already")
     known = _KNOWN.get(number)
     if known is None or known[0] is not function:  # loaded anew, perhaps with what it imports
         compiled = _compile(function, name)
+        _enter(number, compiled, name)
         _KNOWN[number] = function, compiled
-        TABLE[rows[0], 0], TABLE[rows[0], 1] = number, compiled.address or 0
     return float(number)
+
+
+def _enter(number: int, compiled: CFunc, name: str) -> None:
+    """Enter a law in the table, in the place of one with its number."""
+    known = np.flatnonzero((TABLE[:, 0] == number) & (TABLE[:, 1] != 0))
+    rows = known if known.size else np.flatnonzero(TABLE[:, 1] == 0)
+    if not rows.size:
+        raise BadInput(f"soil law '{name}': this process knows {MOST_LAWS} laws already")
+    TABLE[rows[0], 0], TABLE[rows[0], 1] = number, compiled.address or 0
+
+
+@cache
+def _compiled_bekker() -> CFunc:
+    return c_callback(SIGNATURE)(_bekker)
+
+
+def _bekker(
+    soil: Pointer, wheel: Pointer, load: float, slip: float, side: float, out: Array
+) -> None:
+    out[0], out[1], out[2], out[3], out[4] = bekker(
+        memory.row(soil, SOIL_SIZE), memory.row(wheel, WHEEL_SIZE), load, slip, side
+    )
 
 
 _KNOWN: dict[int, tuple[Callable[..., Forces], CFunc]] = {}

@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
+from numba.np.arrayobj import populate_array
 
 from twin.compute.compiled import Untyped
 
@@ -56,3 +57,34 @@ double = _reader(
     types.float64,
     "The double stored `offset` bytes into the struct at `base`.",
 )
+
+
+@intrinsic
+def row(typing_context: Untyped, pointer: Untyped, count: Untyped) -> Untyped:
+    """The `count` numbers at a pointer as an array, as `numba.carray` gives with more code."""
+    return _view(pointer.dtype, 1)(pointer, types.intp), _made
+
+
+@intrinsic
+def table(typing_context: Untyped, pointer: Untyped, rows: Untyped, columns: Untyped) -> Untyped:
+    """The numbers at a pointer as an array of rows."""
+    return _view(pointer.dtype, 2)(pointer, types.intp, types.intp), _made
+
+
+def _view(number: types.Type, dimensions: int) -> types.Array:
+    return types.Array(number, dimensions, "C")
+
+
+def _made(context: Untyped, builder: Untyped, signature: Untyped, args: Untyped) -> Pointer:
+    kind = signature.return_type
+    array = context.make_array(kind)(context, builder)
+    at, *shape = args
+    size = context.get_constant(types.intp, context.get_abi_sizeof(array.data.type.pointee))
+    strides = [size]
+    for count in reversed(shape[1:]):
+        strides.insert(0, builder.mul(strides[0], count))
+    populate_array(
+        array, data=builder.bitcast(at, array.data.type), shape=shape, strides=strides,
+        itemsize=size, meminfo=None,
+    )  # fmt: skip
+    return array._getvalue()

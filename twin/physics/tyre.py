@@ -108,7 +108,7 @@ def relaxed_shear(
 
 @inlined_law
 def not_zero(slip: float) -> float:
-    """The slip, kept off zero by LEAST_SLIP with its sign, so that a secant exists."""
+    """slip + LEAST_SLIP or slip - LEAST_SLIP, by its sign: force / slip then exists at zero too."""
     return slip + LEAST_SLIP if slip >= 0.0 else slip - LEAST_SLIP  # also of a negative zero
 
 
@@ -178,7 +178,8 @@ def roll_wheel(
         force = rigid.plus(force, downhill)
         torque = rigid.plus(torque, rigid.cross(tread, downhill))
     elastic = math.sqrt(rigid.dot(force, force))
-    slots[:] = 0.0
+    for i in range(len(slots)):
+        slots[i] = 0.0
     slots[WheelSlot.SPRING_X_N], slots[WheelSlot.SPRING_Y_N] = force[0], force[1]
     slots[WheelSlot.SPRING_Z_N] = force[2]
     normal = rigid.scaled(1.0 / elastic, force) if elastic > 0.0 else plane
@@ -256,10 +257,14 @@ def roll_wheel(
 def without_gain(
     resistance: float, roll_mps: float, moment: float, rate_radps: float
 ) -> tuple[float, float]:
-    """Motion resistance at the hub and moment on the wheel that together take no less than nothing.
+    """Motion resistance [N] and moment [N m], limited so that they never give power to the machine.
 
-    On a soft soil the law may push a wheel that turns; it takes that from the wheel's rotation, and
-    no more, also while the contact's slip is still another than the wheel's.
+    power = resistance * roll_mps + moment * rate_radps >= 0
+
+    On soft soil the law's resistance can be negative: it pushes the hub. Its power then comes from
+    the wheel's rotation, so it is limited to what the moment takes there. Without the limit the
+    pair could add energy while the contact's slip lags the wheel's. If both powers are negative,
+    both results are 0.
     """
     at_hub, on_wheel = resistance * roll_mps, moment * rate_radps
     if at_hub + on_wheel >= 0.0:

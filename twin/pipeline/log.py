@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -13,39 +12,48 @@ from twin import logs
 from twin.io import run_folder
 from twin.io.plain import Plain
 from twin.logs import Log, Reader
-from twin.pipeline import log_check
+from twin.logs.protocol_parts import Part
+from twin.pipeline import drive, log_check, protocol
+from twin.pipeline.drive import spread
 from twin.pipeline.estimating import Estimator, all_estimates
 from twin.pipeline.log_check import SteadySlip
 from twin.pipeline.result import Result
 from twin.plugins.percent import MOVING_MPS, percent_note
 from twin.scores import scores
+from twin.scores.log_table import protocol_spans_ns
 from twin.streams import Table
 
 
 def estimate(
-    path: Path,
+    paths: Path | Sequence[Path],
     column_map: Path | None,
     *,
     estimators: Mapping[str, Estimator],
     reader: Reader | None = None,
+    strict: bool = False,
+    offset_s: Mapping[str, float] | None = None,
     told: Callable[[int, int], None] = lambda done, total: None,
 ) -> Result:
     """Read a log and run the estimators on it.
 
     Args:
-        path: the log.
+        paths: the log, or the files it is in.
         column_map: TOML that says which column is what; None where the format says it.
         estimators: by name.
         reader: what reads the log; None finds out by what is in it.
+        strict: refuse a log with a single bad row.
+        offset_s: file name -> how far its clock is ahead of the first file's [s].
         told: told how many estimators of how many are done.
 
     Raises:
         BadInput: the log or the map cannot be used; says which value, and what would do.
     """
     start = time.perf_counter()
-    log, steady = _prepared(logs.read(path, column_map, reader))
+    files = [paths] if isinstance(paths, Path) else list(paths)
+    read = logs.read(files, column_map, reader, strict=strict, offset_s=offset_s)
+    log, steady, beside = _prepared(read)
     done = all_estimates(estimators, log.setup, log.streams, told)
-    reference = _reference(log, path) or {}
+    reference = _reference(log, files[0]) or {}
     odd = percent_note("slip of the reference", reference, log.streams)
     return Result(
         scenario=None,
@@ -54,18 +62,60 @@ def estimate(
         truth=reference,
         estimates=done.tables,
         wall_s=time.perf_counter() - start,
-        notes=(*log.notes, *done.notes, *([odd] if odd else [])),
+        notes=(*log.notes, *done.notes, *([odd] if odd else []), *_loud(log, done.tables)),
         failed=done.failed,
-        name=path.resolve().stem,
-        found=findings(log, done.tables, steady),
+        name=files[0].resolve().stem,
+        found=beside | findings(log, done.tables, steady, protocol_spans_ns(beside)),
     )
 
 
+LOUD_SLIP = 0.25
+"""Median slip that no work in a field has; most often a unit or a radius is wrong."""
+
+
+def _loud(log: Log, estimates: Mapping[str, Table]) -> list[str]:
+    """A note for every estimator whose median slip is large, or that says nothing of slip."""
+    notes = []
+    for name, table in estimates.items():
+        found = slip_summary(table)
+        median = found["median"]
+        if median is not None and abs(median) > LOUD_SLIP:
+            notes.append(
+                f"{name}: median slip {100 * median:+.1f} % is beyond {100 * LOUD_SLIP:.0f} %: are "
+                "the units, the radius and the columns right?"
+            )
+        elif "slip" not in table:
+            notes.append(f"{name}: no slip estimated")
+        elif not found["n"] and len(log.streams):
+            notes.append(f"{name}: no slip while driving: {_why_none(log, table)}")
+    return notes
+
+
+def _why_none(log: Log, estimates: Table) -> str:
+    """What kept an estimator from saying anything."""
+    ground, wheel = logs.paired_speeds(log.streams)
+    if "gnss" not in log.streams or not np.isfinite(logs.ground_speed_mps(log.streams)).any():
+        return "the log has no ground speed"
+    if "wheels" not in log.streams:
+        return "the log has no wheel speed"
+    if len(wheel) and not np.isfinite(ground).any():
+        return "no ground speed is known at the times of the wheels; do the clocks agree?"
+    fastest = float(np.nanmax(logs.ground_speed_mps(log.streams)))
+    if fastest <= MOVING_MPS:
+        return f"the fastest ground speed is {fastest:.2f} m/s"
+    known = np.isfinite(np.asarray(estimates["slip"], np.float64))
+    return "its slip is NaN throughout" if not known.any() else "its speed never says so"
+
+
 def findings(
-    log: Log, estimates: Mapping[str, Table], steady: SteadySlip | None
+    log: Log,
+    estimates: Mapping[str, Table],
+    steady: SteadySlip | None,
+    no_work_ns: Sequence[tuple[int, int]] = (),
 ) -> dict[str, Plain]:
     """The slip of each estimator while driving and, where the map has the rules, steady work."""
     found: dict[str, Plain] = {"slip": {n: slip_summary(t) for n, t in estimates.items()}}
+    found |= drive.findings(log.streams, estimates, log.implement, no_work_ns)
     if steady is None:
         return found
     found["steady_slip"] = {n: steady_summary(log, t) for n, t in estimates.items()}
@@ -82,10 +132,10 @@ def findings(
 def slip_summary(estimates: Table) -> dict[str, float | int | None]:
     """Median, 5 % and 95 % of the estimated slip while driving faster than 0.5 m/s."""
     if "slip" not in estimates:
-        return _quantiles(np.empty(0))
+        return spread(np.empty(0))
     slip = np.asarray(estimates["slip"], np.float64)
     speed = np.asarray(estimates.get("speed_mps", np.full(len(slip), np.inf)), np.float64)
-    return _quantiles(slip[np.abs(speed) > MOVING_MPS])
+    return spread(slip[np.abs(speed) > MOVING_MPS])
 
 
 def steady_summary(log: Log, estimates: Table) -> dict[str, float | int | None]:
@@ -94,24 +144,33 @@ def steady_summary(log: Log, estimates: Table) -> dict[str, float | int | None]:
     epoch_ns = log.streams["wheels"]["epoch_ns"]
     chosen = logs.choose(log.rules["steady"], log.rows, epoch_ns, wheel_mps)
     if "slip" not in estimates or not len(estimates["epoch_ns"]):
-        return _quantiles(np.empty(0))
-    return _quantiles(scores.at(estimates, "slip", epoch_ns[chosen]))
+        return spread(np.empty(0))
+    return spread(scores.at(estimates, "slip", epoch_ns[chosen]))
 
 
-def _quantiles(slip: np.ndarray[Any, Any]) -> dict[str, float | int | None]:
-    known = slip[np.isfinite(slip)]
-    if not len(known):
-        return {"median": None, "p05": None, "p95": None, "n": 0}
-    p05, median, p95 = (float(q) for q in np.quantile(known, (0.05, 0.5, 0.95)))
-    return {"median": median, "p05": p05, "p95": p95, "n": len(known)}
+def _prepared(log: Log) -> tuple[Log, SteadySlip | None, dict[str, Plain]]:
+    """The log with wheel speeds scaled to zero slip, and what its own drives told.
 
-
-def _prepared(log: Log) -> tuple[Log, SteadySlip | None]:
-    """The log with wheel speeds scaled to zero slip where its map gives the rules."""
+    The map's rule scales them, else the zero-pull passes of a recording protocol.
+    """
+    log, beside = protocol.applied(log)
     if "zero_slip" not in log.rules:
-        return log, None
+        return log, None, beside | {"zero_slip": _zero_slip(log, beside)}
     scaled = log_check.scaled(log, log_check.log_scale(log).scale)
-    return scaled, log_check.steady_slip(log) if "steady" in log.rules else None
+    return scaled, log_check.steady_slip(log) if "steady" in log.rules else None, beside
+
+
+def _zero_slip(log: Log, beside: Mapping[str, Plain]) -> str:
+    """What zero slip is in a log whose map has no rule for it."""
+    parts = (beside.get("protocol") or {}).get("parts") or ()
+    if any(part["part"] == Part.ZERO_PULL and part["used"].startswith("wheels") for part in parts):
+        return "zero slip: the zero-pull passes of the recording protocol"
+    ticks = log.setup.wheels is not None and log.setup.wheels.counts_per_turn is not None
+    taken = "the set-up's nominal radii" if ticks else "wheel speed as logged"
+    return (
+        f"zero slip: {taken}; a radius that is wrong by 1 % is 1 point of slip. [zero_slip] in the "
+        "map, or zero-pull passes of a recording protocol, give the scale"
+    )
 
 
 def _reference(log: Log, path: Path) -> Table | None:

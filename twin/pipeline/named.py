@@ -14,7 +14,6 @@ from pathlib import Path
 from twin.errors import BadInput, TwinError, UnknownName
 from twin.io.plain import from_plain
 from twin.plugins.lookup import Thing, attribute, instance, line
-from twin.scenario import Scenario
 
 PACKAGES = {"scenario": "scenarios", "estimator": "estimators"}
 """Kind of thing -> the package whose `REGISTRY` maps its names to "module:Attribute"."""
@@ -84,6 +83,8 @@ def _kept(path: Path) -> Thing:
         raise BadInput(f"{path} is not JSON: {line(error)}") from None
     if not isinstance(plain, Mapping):
         raise BadInput(f"{path} holds no scenario")
+    from twin.scenario import Scenario
+
     kinds = (type(load("scenario", name)) for name in names("scenario"))
     fitting = (k for k in kinds if plain.keys() <= {f.name for f in dataclasses.fields(k)})
     try:

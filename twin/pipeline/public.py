@@ -21,6 +21,8 @@ DEFAULT_ESTIMATORS = ("ratio", "four-state")
 def load(name: str | Path, overrides: Mapping[str, object] | None = None) -> Scenario | Measured:
     """A scenario by name, with some of its fields replaced.
 
+    `Measured` is a scenario without a machine: it gives signals and their truth itself.
+
     Args:
         name: a name that `twin list` shows, `module:Name` of your own, or the folder of a run.
         overrides: field by dotted path -> its value: `{"soil.friction": 0.8, "seed": 3}`.
@@ -55,13 +57,14 @@ def run(
         scenario: a scenario, or what `twin.load` takes.
         estimators: names, your own objects with `init` and `run`, or both; or a mapping by name.
         seed: of everything random, in place of the scenario's.
-        progress: told the share of the course driven, 0 to 1, and the time driven [s].
+        progress: called with the share of the course driven, 0 to 1, and the time driven [s].
         frames: folder where the camera's frames are saved as PNG.
 
     Raises:
-        BadInput: a field is set that the run would not read, or a name is unknown. An estimator
-            that fails gives NaN and stands in `Result.failed`.
-        Diverged: the simulation left the finite numbers.
+        BadInput: a field is set that has no effect in this run, or a name is unknown.
+        Diverged: a value of the simulation became NaN or too large.
+
+    An estimator that fails stops nothing: its estimates are NaN, and `Result.failed` says why.
 
     Example:
         >>> twin.run("plough-25cm", ["ratio"]).scores["estimators"]["ratio"]  # doctest: +SKIP
@@ -77,21 +80,28 @@ def run(
 
 
 def estimate(
-    log: str | Path,
+    log: str | Path | Iterable[str | Path],
     column_map: str | Path | None = None,
     estimators: Iterable[str | Estimator] | Mapping[str, Estimator] = DEFAULT_ESTIMATORS,
     reader: str | Reader | None = None,
+    *,
+    strict: bool = False,
+    offset_s: Mapping[str, float] | None = None,
 ) -> Result:
     """Run the estimators on a recorded drive.
 
     Args:
-        log: a run folder, CSV, Parquet or NMEA 0183, or what `reader` reads.
+        log: a run folder, a table, NMEA, CAN, UBX, a bag, or what `reader` reads; or several
+            files of one drive.
         column_map: TOML that says which column is what, and in which unit.
         estimators: as `run` takes them.
         reader: what reads the log, or its name, as `twin.logs.READERS` has it or `module:Name`.
+        strict: refuse a log with a single bad row.
+        offset_s: file name -> how far its clock is ahead of the first file's [s]; what is not
+            given is found from the speeds.
 
     Raises:
-        BadInput: the log or the map cannot be used; says which value, and what would do.
+        BadInput: the log or the map cannot be used; the message names the value.
 
     Example:
         >>> twin.estimate("field.csv", "field.toml").estimates["ratio"]["slip"]  # doctest: +SKIP
@@ -101,7 +111,10 @@ def estimate(
 
     path = None if column_map is None else Path(column_map)
     by = logs.reader(reader) if isinstance(reader, str) else reader
-    return estimated(Path(log), path, estimators=by_name(estimators), reader=by)
+    files = [Path(log)] if isinstance(log, str | Path) else [Path(each) for each in log]
+    return estimated(
+        files, path, estimators=by_name(estimators), reader=by, strict=strict, offset_s=offset_s
+    )
 
 
 def by_name(

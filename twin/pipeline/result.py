@@ -45,7 +45,7 @@ class Result:
     """
 
     scenario: Scenario | Measured | None
-    """What was driven, its presets' numbers in it; None for a log."""
+    """The scenario that was driven, with the numbers of its presets filled in; None for a log."""
     setup: Setup
     """What the estimators are told."""
     streams: Streams
@@ -57,17 +57,17 @@ class Result:
     wall_s: float = 0.0
     """Time it took [s]."""
     end: End | None = None
-    """How, when and where the run ended; None of signals without a machine, and of a log."""
+    """How, when and where the run ended; None for a log, and for a scenario without a machine."""
     frames: Frames | None = None
     """Some of the camera's frames by number, drawn when asked for."""
     notes: tuple[str, ...] = ()
-    """What a reader should know before its numbers, in sentences."""
+    """Warnings and assumptions, as sentences."""
     failed: Mapping[str, str] = field(default_factory=dict)
     """Estimator that failed -> why: its table holds NaN."""
     name: str = ""
-    """Name of a log; of a run, its scenario's name stands in the scenario."""
+    """Name of the log; empty for a run, whose name is `scenario.name`."""
     found: Mapping[str, Plain] = field(default_factory=dict)
-    """What was found of a log beside estimates: the spread of slip, steady work."""
+    """For a log, its spread of slip, and the slip in the rows that the map marks as steady work."""
 
     @property
     def ended(self) -> str:
@@ -119,6 +119,18 @@ class Result:
         from twin.pipeline.saved import record
 
         record(self, Path(path))
+
+    def csv(self, path: Path | str) -> str:
+        """Write the estimates of all estimators as one CSV file; how its time is written.
+
+        Every column has its unit in its name; slip is in percent.
+
+        Raises:
+            BadInput: the file cannot be written.
+        """
+        from twin.io.estimates_csv import write
+
+        return write(self.estimates, Path(path))
 
     def to_dataframe(self) -> pandas.DataFrame:
         """The estimates of all estimators below each other, column `estimator` first.

@@ -1,4 +1,4 @@
-"""Drawing the figures of a report: the figure itself, and lines of tables over time.
+"""Drawing the figures of a report: the figure itself, and curves of table columns over time.
 
 Truth is black, estimators have the colour-blind safe palette.
 """
@@ -50,20 +50,26 @@ class Drawing:
     """Share of the width to the left of the axes, on the page."""
     height_in: float = HEIGHT_IN
     """Height of the first row [in]; each further one adds half of it."""
+    above_in: float = 0.0
+    """Room above the first axes for what stands there beside a legend [in], on the page."""
     columns: int = 1
     """Columns of a printed page that it spans."""
 
     def svg(self) -> str:
         """An SVG element for the page, with a title for screen readers."""
         with mpl.rc_context(STYLE):
-            figure, axes = self._drawn(WIDTH_IN)
-            above_in = 0.1 + 0.2 * _legend(axes[0], (1.0 - self.left) * WIDTH_IN)
+            figure, axes = self._drawn(self.columns * WIDTH_IN)
+            above_in = (
+                self.above_in
+                + 0.1
+                + 0.2 * _legend(axes[0], (1.0 - self._left) * self.columns * WIDTH_IN)
+            )
             below_in = 0.5 + 0.18 * axes[-1].get_xlabel().count("\n")
             height_in = self._height_in + max(0.0, above_in - 0.3) + max(0.0, below_in - 0.5)
             figure.set_figheight(height_in)
             figure.subplots_adjust(
-                left=self.left,
-                right=0.985,
+                left=self._left,
+                right=1.0 - 0.015 / self.columns,
                 top=1.0 - above_in / height_in,
                 bottom=below_in / height_in,
                 hspace=0.3,
@@ -73,7 +79,8 @@ class Drawing:
             figure.savefig(text, format="svg", metadata=metadata, transparent=True)
         element = text.getvalue()
         element = element[element.index("<svg") :]
-        label = f'<svg role="img" aria-label="{html.escape(self.title)}" class="figure" '
+        look = "figure" if self.columns == 1 else "figure spread"
+        label = f'<svg role="img" aria-label="{html.escape(self.title)}" class="{look}" '
         return element.replace("<svg ", label, 1)
 
     def figure(self) -> Figure:
@@ -84,6 +91,10 @@ class Drawing:
         figure.set_figheight(0.85 * self._height_in)
         _legend(axes[0], 0.8 * width_in)
         return figure
+
+    @property
+    def _left(self) -> float:
+        return self.left / self.columns
 
     @property
     def _height_in(self) -> float:
@@ -124,22 +135,45 @@ def _legend(axes: Axes, width_in: float) -> int:
 def thinned(table: Table, most: int = MOST_POINTS) -> Table:
     """Every k-th row, about `most` of them, and a row of NaN in every gap of time.
 
-    A gap is longer than GAP_PERIODS median periods of the table. No line is drawn across it.
+    A gap is longer than GAP_PERIODS median periods of the table. No line is drawn across it, nor
+    across as many unknown values of a column that lie between two of the rows.
     """
     epoch_ns = table["epoch_ns"]
     rows = np.arange(0, len(epoch_ns), max(1, len(epoch_ns) // most))
     steps_ns = np.diff(epoch_ns)
     if not len(steps_ns):
         return {name: column[rows] for name, column in table.items()}
-    part = np.concatenate([[0], np.cumsum(steps_ns > GAP_PERIODS * np.median(steps_ns))])
-    gaps = np.flatnonzero(np.diff(part[rows])) + 1
-    return {name: _with_gaps(column[rows], gaps) for name, column in table.items()}
+    gaps = _between(rows, np.append(False, steps_ns > GAP_PERIODS * np.median(steps_ns)))
+    holes = {name: _between(rows, _holes(column)) for name, column in table.items()}
+    breaks = np.unique(np.concatenate([gaps, *holes.values()]))
+    return {
+        name: _with_gaps(column[rows], breaks, np.isin(breaks, [*gaps, *holes[name]]))
+        for name, column in table.items()
+    }
 
 
-def _with_gaps(column: Array, gaps: Array) -> Array:
-    """A column with NaN before some of its rows; where it holds no floats, with what follows."""
-    between = np.full(len(gaps), np.nan) if column.dtype.kind == "f" else column[gaps]
-    return np.insert(column, gaps, between, axis=0) if column.ndim == 1 else column
+def _between(rows: Array, marked: Array) -> Array:
+    """Places in `rows` before which, since the one before, something was marked."""
+    return np.flatnonzero(np.diff(np.cumsum(marked)[rows])) + 1
+
+
+def _holes(column: Array) -> Array:
+    """The row after each run of at least GAP_PERIODS unknown values, marked. Shape (n,)."""
+    marked = np.zeros(len(column), np.bool_)
+    if column.dtype.kind == "f" and column.ndim == 1 and np.isnan(column).any():
+        edges = np.flatnonzero(np.diff(np.isnan(column), prepend=False, append=False))
+        first, after = edges[::2], edges[1::2]
+        ends = after[after - first >= GAP_PERIODS]
+        marked[ends[ends < len(column)]] = True
+    return marked
+
+
+def _with_gaps(column: Array, breaks: Array, unknown: Array) -> Array:
+    """A column with a row before each break: NaN where it is unknown, else what follows."""
+    between = column[breaks]
+    if column.dtype.kind == "f" and column.ndim == 1:
+        between = np.where(unknown, np.nan, between)
+    return np.insert(column, breaks, between, axis=0) if column.ndim == 1 else column
 
 
 def estimate_lines(
@@ -177,7 +211,7 @@ def line(
 
 
 def columns(truth: Table | None, estimates: Estimates, column: str) -> list[Array]:
-    """A column of every table that has it."""
+    """A column of every table that has it, truth first."""
     tables = [t for t in (truth, *estimates.values()) if t is not None]
     return [t[column] for t in tables if column in t]
 

@@ -25,6 +25,8 @@ th, td { padding: .3rem .6rem; text-align: right; white-space: nowrap }
 th, td { border-bottom: 1px solid var(--line) }
 th:first-child, td:first-child { text-align: left; padding-left: 0 }
 .names2 th:nth-child(2), .names2 td:nth-child(2) { text-align: left }
+.words th, .words td { text-align: left }
+.words td { white-space: normal }
 thead th { color: var(--soft); font-weight: 600; white-space: normal; vertical-align: bottom }
 dl { display: grid; grid-template-columns: repeat(auto-fill, minmax(9rem, 1fr)) }
 dl { gap: .6rem 1rem; margin: .8rem 0 }
@@ -33,6 +35,7 @@ dd { margin: 0; font-size: 1.15rem; font-variant-numeric: tabular-nums }
 .figures { display: grid; gap: 0 2rem; align-items: start;
   grid-template-columns: repeat(auto-fit, minmax(min(100%, 27rem), 1fr)) }
 figure { margin: .3rem 0 0 }
+section:has(svg.spread) { grid-column: 1 / -1 }
 svg.figure { width: 100%; height: auto; display: block }
 code, pre { font: .88rem/1.5 ui-monospace, "SF Mono", Menlo, Consolas, monospace }
 pre { background: #f5f5f5; padding: .7rem .9rem; white-space: pre-wrap; overflow-wrap: anywhere }
@@ -91,13 +94,21 @@ def versions() -> str:
     return ", ".join(found)
 
 
-def table(headers: Iterable[str], rows: Iterable[Iterable[str]], *, names: int = 1) -> str:
-    """A table as HTML; its cells are text, in the first one or two columns names."""
+def table(
+    headers: Iterable[str],
+    rows: Iterable[Iterable[str]],
+    *,
+    names: int = 1,
+    kind: str = "",
+) -> str:
+    """A table as HTML; its cells are text, in the first one or two columns names.
+
+    Of the kind `words` every column holds words.
+    """
     head = "".join(f"<th>{html.escape(h)}</th>" for h in headers)
     body = "".join(
         "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
     )
-    lines = (
-        f'<table class="names{names}"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
-    )
+    look = kind or f"names{names}"
+    lines = f'<table class="{look}"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
     return f'<div class="wide">{lines}</div>'

@@ -11,11 +11,12 @@ from twin.io.atomic import write_text
 from twin.io.plain import Plain, to_plain
 from twin.io.run_folder import RunLike
 from twin.plugins.lookup import Thing
-from twin.report import errors, figures
+from twin.report import errors, figures, log_page
 from twin.report.draw import Drawing
 from twin.report.html import document, made_with, table
 from twin.report.html import figures as figures_of
-from twin.scores.table import COVERAGE, HEADERS, end_lines, score_rows, slip_lines, zero_line
+from twin.report.log_page import Figure
+from twin.scores.table import COVERAGE, HEADERS, end_lines, score_rows, zero_line
 
 SLIP_OVER_TIME = (
     "Black: truth. Bands: ±2 reported standard deviations; about the truth, ±2 of the causal "
@@ -51,14 +52,16 @@ def page(run: RunLike, scores: Mapping[str, Plain], command: str = "") -> str:
     parts = [
         f'<p class="soft">{html.escape(_what(run, scores))}</p>',
         *(f'<p class="ended">{html.escape(line)}</p>' for line in end_lines(scores)),
+        log_page.headline(scores) if run.scenario is None else "",
         _driven(scores.get("truth") or {}),
         _headline(scores),
-        _found(scores),
+        log_page.tables(scores, run.setup.origin) if run.scenario is None else "",
         figures_of(
             (title, drawn.svg(), caption)
             for title, drawn, caption in _figures(run, scores)
             if drawn
         ),
+        log_page.assumed(scores) if run.scenario is None else _notes(scores),
         _parameters(run.scenario),
         _again(name, seed, run.scenario, command),
     ]
@@ -78,7 +81,7 @@ def _what(run: RunLike, scores: Mapping[str, Plain]) -> str:
     window = scores.get("window_s")
     scored = f"scored from {window[0]:.1f} s to {window[1]:.1f} s" if window else "not scored"
     if run.scenario is None:
-        return f"Recorded log of {run.setup.machine}, {scored}."
+        return f"{log_page.lead(scores, run)}{f' It is {scored}.' if window else ''}"
     end = scores.get("end") or {"as_planned": True}
     driven = "" if not end["as_planned"] else f" {str(scores.get('ended', '')).capitalize()}"
     return f"Simulated run of {run.setup.machine}, {scored}.{driven.rstrip()}"
@@ -117,17 +120,22 @@ def _headline(scores: Mapping[str, Plain]) -> str:
     return f'<h2>Scores</h2>{table(HEADERS, rows)}<p class="soft">{note}</p>'
 
 
-def _found(scores: Mapping[str, Plain]) -> str:
-    """Slip of a recorded drive, and the notes of its reading."""
-    lines = [*slip_lines(scores), *scores.get("notes", ())]
-    items = "".join(f"<li>{html.escape(line)}</li>" for line in lines)
-    title = "Slip of the drive" if slip_lines(scores) else "Notes"
-    return f"<h2>{title}</h2><ul>{items}</ul>" if lines else ""
+def _notes(scores: Mapping[str, Plain]) -> str:
+    items = "".join(f"<li>{html.escape(line)}</li>" for line in scores.get("notes", ()))
+    return f"<h2>Notes</h2><ul>{items}</ul>" if items else ""
 
 
-def _figures(
-    run: RunLike, scores: Mapping[str, Plain]
-) -> Iterable[tuple[str, Drawing | None, str]]:
+def _figures(run: RunLike, scores: Mapping[str, Plain]) -> Iterable[Figure]:
+    if run.scenario is None:
+        yield from log_page.figures(run, scores)
+        yield from log_page.clocked_figures(
+            _run_figures(*log_page.since_start(run, scores)), scores
+        )
+    else:
+        yield from _run_figures(run, scores)
+
+
+def _run_figures(run: RunLike, scores: Mapping[str, Plain]) -> Iterable[Figure]:
     window = tuple(scores["window_s"]) if scores.get("window_s") else None
     truth, estimates, bound = run.truth, run.estimates, scores.get("bound") or {}
     caption = SLIP_OVER_TIME if truth else "Bands: ±2 reported standard deviations."

@@ -196,7 +196,7 @@ def growth(table: Row) -> float:
 
 
 def error_rows(cells: dict[tuple[int, str], list[Trial]]) -> Rows:
-    """Errors of the own estimator with its bounds, then those of the paper's chains."""
+    """Errors of this project's estimator beside its bound, and of the paper's, in each cell."""
     out: Rows = []
     for (slope, soil), runs in cells.items():
         for masked in (False, True):

@@ -13,11 +13,11 @@ from dataclasses import replace
 import numpy as np
 from joblib import delayed
 
+from twin.compute.mean import mean
 from twin.compute.parallel import many
 from twin.io.result_rows import Rows, row
 from twin.pipeline.named import load
 from twin.pipeline.run import run
-from twin.reproduce.ima_pkf_trials import mean_and_interval
 from twin.scores.scores import score
 from twin.streams import Setup, Table
 
@@ -95,8 +95,8 @@ def _errors(case: str, scores: list[Scores]) -> Rows:
     out = []
     for name in ESTIMATORS:
         for key in ("MAE", "RMSE", "bias"):
-            mean, low, high = mean_and_interval([each[name][key] for each in scores])
-            out.append(row(case, f"{key}, {name}", mean, "1") | {"low": low, "high": high})
+            found = mean(each[name][key] for each in scores)
+            out.append(row(case, f"{key}, {name}", found.mean, "1") | found.bounds)
         largest = max(each[name]["max"] for each in scores)
         published = LARGEST if name == "IMA-PKF" else None
         out.append(row(case, f"max, {name}", largest, "1", published=published))
@@ -108,11 +108,10 @@ def _reductions(cm: int, other: str, scores: list[Scores]) -> Rows:
     """How much smaller than another's the error of IMA-PKF is; negative where it is larger."""
     out = []
     for key in ("MAE", "RMSE"):
-        gains = [1.0 - each["IMA-PKF"][key] / each[other][key] for each in scores]
-        mean, low, high = mean_and_interval(gains)
+        gain = mean(1.0 - each["IMA-PKF"][key] / each[other][key] for each in scores)
         published = REDUCTIONS[cm][key] if other == "KF" else None
         line = row(
-            f"{cm} cm", f"reduction of {key} against {other}", mean, "1", published=published
+            f"{cm} cm", f"reduction of {key} against {other}", gain.mean, "1", published=published
         )
-        out.append(line | {"low": low, "high": high})
+        out.append(line | gain.bounds)
     return out

@@ -118,7 +118,7 @@ def field_errors(rows: Sequence[Row], depths_cm: Sequence[int]) -> str:
                 found = [values[f"{cm} cm", f"{quantity}, {name}"] for cm in depths_cm]
                 at = np.arange(len(depths_cm)) + 0.25 * (i - 1)
                 height = [100 * row["ours"] for row in found]
-                half = [50 * (row["high"] - row["low"]) for row in found]
+                half = [50 * (row.get("high", 0.0) - row.get("low", 0.0)) for row in found]
                 ax.bar(at, height, 0.23, yerr=half, color=PALETTE[name], label=name)
             ax.set_xticks(range(len(depths_cm)), [f"{cm} cm" for cm in depths_cm])
             ax.set(ylabel=f"{quantity} [%]")

@@ -135,7 +135,7 @@ def _order(of: Mapping[str, Row]) -> str:
     """Whether the methods stand as published, beyond the scatter of the seeds or not."""
     steps = {f"{a} over {b}": of[lead(a, b)] for a, b in pairwise(ORDER)}
     broken = [name for name, row in steps.items() if row["ours"] <= 0.0]
-    unsure = [name for name, row in steps.items() if row["low"] <= 0.0]
+    unsure = [name for name, row in steps.items() if row.get("low", 0.0) <= 0.0]
     if broken:
         return f"does not hold ({', '.join(broken)})"
     return f"is within the scatter ({', '.join(unsure)})" if unsure else "holds"

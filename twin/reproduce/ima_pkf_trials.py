@@ -58,18 +58,3 @@ def study(trials: list[Trial], estimators: Row, jobs: int = 1) -> dict[str, list
     """Errors of each estimator in each trial."""
     tried = many((delayed(try_all)(trial, estimators) for trial in trials), jobs)
     return {name: [each[name] for each in tried] for name in estimators}
-
-
-def mean_and_interval(values: list[float]) -> tuple[float, float, float]:
-    """Mean over seeds and the 95 % confidence interval of the mean, by Student's t.
-
-    Returns:
-        mean, low, high; for a single seed all three are the mean.
-    """
-    from scipy.stats import t  # late: slow to import
-
-    mean, n = float(np.mean(values)), len(values)
-    if n < 2:
-        return mean, mean, mean
-    half = float(t.ppf(0.975, n - 1) * np.std(values, ddof=1) / np.sqrt(n))
-    return mean, mean - half, mean + half

@@ -1,4 +1,4 @@
-"""One simulated pass over a field without sensors, and its statistics."""
+"""One pass over a field, simulated without sensors, and its statistics."""
 
 from __future__ import annotations
 
@@ -33,7 +33,8 @@ LOSSES = (
 class Pass:
     """Statistics over the scored part of a pass, from 5 m after full depth to the end.
 
-    `power_closure` covers the whole pass.
+    `slip_sd` is the standard deviation of the true slip, `draft_cv` that of the draft over its
+    mean, other fields are means. `power_closure` covers the whole pass.
     """
 
     speed_kmh: float

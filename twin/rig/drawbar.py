@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from twin.errors import BadInput, check_range
 from twin.physics.block import MachineSlot, WheelSlot
+from twin.rig.defaults import HITCH_M, STEP_N
 from twin.rig.table import Measured
 from twin.rig.tractor import Slots, drive, mean, statics, tractor
 from twin.rig.tyre import Tyre
@@ -21,12 +22,8 @@ from twin.vehicle.numerics import machine_facts
 
 Array = NDArray[np.float64]
 
-HITCH_M = 0.45
-"""Height of the pull above the ground [m]: that of a drawbar; assumed."""
 ROLLING_S = 4.0
 """Time in which the tractor gets up to its speed before it is loaded [s]."""
-STEP_N = 500.0
-"""Pull from one point to the next [N]."""
 SETTLING_S, HOLD_S = 1.0, 5.0
 """Time before a point, and time over which it is averaged, the pull held [s]."""
 STEADY = 2e-3
@@ -80,11 +77,11 @@ def drawbar(
     gear: Drive | None = None,
     machine: str | Machine = files.USUAL,
 ) -> DrawbarCurve:
-    """Pull against slip of a tractor by loads that are held, lock engaged.
+    """Pull of a tractor over slip, under constant loads, lock engaged.
 
-    The pull is horizontal, against the course. Each is held for a second and then for 5 s over
-    which it is read, and held on while the speed of its two halves differs: nothing that the
-    tractor stores counts as work. The test ends at `most_slip`, where the tractor does not hold a
+    The pull is horizontal, against the course. A load acts for 1 s and is then measured over 5 s.
+    If speed or slip differs between the two halves of the 5 s, they are repeated, so that stored
+    energy does not count as work. The test ends at `most_slip`, where the tractor does not hold a
     load, or where its front axle lifts.
 
     Args:

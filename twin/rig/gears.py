@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from twin.errors import BadInput, check_range
 from twin.machine.fuel import fuel_lph
 from twin.machine.plough_setting import GRAVITY_MPS2
+from twin.rig.defaults import SPEEDS_KMH
 from twin.rig.drawbar import drawbar
 from twin.rig.table import Measured
 from twin.rig.tractor import tractor
@@ -20,8 +21,6 @@ from twin.vehicle import files
 
 Array = NDArray[np.float64]
 
-SPEEDS_KMH = (4.0, 5.0, 6.0, 7.0, 8.5, 10.0, 12.0, 15.0)
-"""Gears by what they run at rated engine speed without slip [km/h]."""
 MOST_SLIP = 0.15
 """Slip at which a test of a wheeled tractor on a hard track ends [-]; OECD Code 2, as recalled."""
 FIRST, STEP = 0.3, 0.02

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from twin.errors import BadInput, check_range
 from twin.machine.start import RAISED_RAD
+from twin.rig.defaults import PARKED_S
 from twin.rig.table import Measured
 from twin.rig.tractor import tractor
 from twin.scenario import Field, Soil
@@ -20,7 +21,6 @@ Array = NDArray[np.float64]
 
 SETTLE_S = 5.0
 """Time in which the tyres wind up before creep is counted [s]."""
-PARKED_S = 60.0
 LOOKS = 60
 """How often the place is looked at."""
 
@@ -45,7 +45,7 @@ def park(
     parked_s: float = PARKED_S,
     machine: str = files.USUAL,
 ) -> Creep:
-    """Park the tractor, brakes on, clutch out, on each slope; the arguments broadcast.
+    """Park the tractor, brakes on, clutch disengaged, on each slope; the arguments broadcast.
 
     Raises:
         OutOfRange: a slope beyond what a scenario may have.

@@ -53,7 +53,7 @@ class CrabAngles(Measured):
 
 
 def slope(soil: Soil, cross_slope_deg: ArrayLike, *, machine: str = files.USUAL) -> CrabAngles:
-    """Drive each slope until the driver's line is steady.
+    """Drive along each cross-slope for a fixed time, then average crab angle, slip and loads.
 
     Raises:
         OutOfRange: a slope beyond what a scenario may have.

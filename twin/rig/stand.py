@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.machine.parameters import BUILD, soil_part
+from twin.machine.parameters import soil_part
 from twin.machine.plough_setting import GRAVITY_MPS2
 from twin.machine.tread import tread_part
 from twin.physics import block
@@ -75,7 +75,7 @@ def stand(
     }
     tyre = {**sizes, **own}
     if radial:  # the soil's numbers are those of a radial tyre already
-        tyre |= dict.fromkeys(BUILD[:3], 0.0)
+        tyre |= dict.fromkeys(block.BUILD[:3], 0.0)
     model.numeric_data[-block.SIZE :] = _block(model, tyre | tread_part(tyre), soil, radial)
     return model
 

@@ -6,8 +6,7 @@ import dataclasses
 from dataclasses import dataclass
 
 from twin.errors import BadInput, UnknownName, check_range
-from twin.machine.parameters import BUILD
-from twin.physics.block import Wheel
+from twin.physics.block import BUILD, Wheel
 from twin.vehicle import files
 from twin.vehicle.numerics import machine_facts
 

@@ -14,6 +14,7 @@ from twin.errors import BadInput, check_range
 from twin.physics import block
 from twin.physics.block import Wheel
 from twin.physics.validity import outside_validity
+from twin.rig.defaults import SPEED_MPS
 from twin.rig.stand import stand
 from twin.rig.steady import steady
 from twin.rig.table import Measured
@@ -24,8 +25,6 @@ Array = NDArray[np.float64]
 
 MOST_SLIP = 0.95
 """Of either sign: at 1 a wheel stands or its carriage does."""
-SPEED_MPS = 1.5
-"""Speed over the ground, about that of ploughing [m/s]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,7 +126,7 @@ def wheel(
 
     Raises:
         OutOfRange, BadInput: an argument outside what can be imposed.
-        NotSteady: a point did not come to rest.
+        NotSteady: a point did not reach a steady state.
     """
     sizes = tyre.sizes()
     s, angle, load = _points(slip, slip_angle_rad, load_n)

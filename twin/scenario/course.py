@@ -53,9 +53,10 @@ class Course:
     """
 
     approach_m: float = 15.0
-    """Distance before the plough is lowered, or before the scored part [m]."""
+    """Distance before the plough is lowered, or before `length_m` begins [m]."""
     length_m: float = 200.0
-    """Length of the scored part; with a plough, the ploughed length [m]."""
+    """Distance after the approach [m]; with a plough, the ploughed length. `scores.json` tells the
+    part that is scored."""
     passes: int = 1
     """How often the field is crossed, up and down, with turns on the headlands between."""
     heading_deg: float = 0.0
@@ -67,8 +68,8 @@ class Course:
     edge_m: float | None = None
     """The run ends when a corner of the machine is so far beside the line [m]; None for a field."""
     calibration_m: float = 0.0
-    """Drive so far out and back on level ground before the run [m], all the calibration there is;
-    the estimators see it, and it is not scored."""
+    """Length of a drive out and back on level ground before the run [m]; 0 for none. Estimators see
+    it and can calibrate themselves on it; it is not scored."""
 
     def __post_init__(self) -> None:
         check_range("course.approach_m", self.approach_m, 0.0, 500.0)

@@ -49,22 +49,22 @@ class Field:
     """Roughness of the surface by ISO 8608, A to F; "smooth" is a plane."""
     height_map: str | None = None
     """Your own heights above the plane: a .npy file of metres, columns along the course, rows
-    across it from the right, its middle on the line. Instead of a roughness class."""
+    across it from the right, the middle row on the course's line. Instead of a roughness class."""
     soil_map: str | None = None
     """Where `other_soil` is: a .npy file of shares from 0 to 1, laid as `height_map`."""
     map_cell_m: float = 0.25
     """Distance between the nodes of your maps [m]."""
     map_start_m: float = -10.0
-    """Where their first column lies along the course [m]; past their border its value goes on."""
+    """Where their first column lies along the course [m]; beyond it the border's values hold."""
     other_share: float = 0.0
-    """Share of the ground covered by patches of `other_soil`, made from the seed [-]."""
+    """Share of the ground covered by random areas of `other_soil` [-]."""
     other_length_m: float = 10.0
-    """Size of those patches [m]."""
+    """Size of those areas [m]."""
     other_soil: Soil = SOFT
-    """The soil of the map or the patches: its law, friction, strength and scale of the draft. What
-    varies with place, and rocks, are those of `soil` everywhere."""
+    """The other soil of the map or of the random areas: its law, friction, strength and draft
+    scale. Variation with place and rocks are those of `soil` everywhere."""
     patches: tuple[Patch, ...] = ()
-    """Stretches of other soil, four at most; overlapping ones multiply."""
+    """Stretches where friction and cone index are scaled, four at most; they multiply."""
 
     def __post_init__(self) -> None:
         check_range("field.cross_slope_deg", self.cross_slope_deg, -25.0, 25.0)

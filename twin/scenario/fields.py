@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import typing
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from twin.errors import BadInput, UnknownName
 from twin.plugins.lookup import Thing
@@ -23,6 +23,20 @@ def value(thing: Thing, path: str) -> Thing:
     for name in path.split("."):
         thing = _part(thing, name, path)
     return thing
+
+
+def leaves(thing: Thing, before: str = "") -> Iterator[tuple[str, Thing]]:
+    """Path and value of every field that is no group of fields, in their order."""
+    for field in dataclasses.fields(thing):
+        held, path = getattr(thing, field.name), f"{before}{field.name}"
+        grouped = held if isinstance(held, tuple) else (held,)
+        if not (grouped and all(map(dataclasses.is_dataclass, grouped))):
+            yield path, held
+        elif held is not grouped:
+            yield from leaves(held, f"{path}.")
+        else:
+            for i, each in enumerate(held):
+                yield from leaves(each, f"{path}.{i}.")
 
 
 def kind(thing: Thing, path: str) -> Thing:

@@ -26,8 +26,8 @@ class Plough:
     """Working depth [m], within what the implement works at."""
     wheel_share: float = 0.48
     """Share of the plough's weight and downward soil force the depth wheel is set to carry in
-    depth, position and mix [-]. In float it carries what the links do not; in draft, and a mix of
-    1, it is up and touches at `deepest_m`."""
+    the hitch modes depth, position and mix [-]. In float it carries what the links do not. In
+    draft, and in mix with `draft_mix` = 1, it is up and touches the ground only at `deepest_m`."""
     furrow: str = "right"
     """Side whose wheels run in the last furrow: right, left, or none. A reversible plough turns
     over at the headland, so the side alternates from pass to pass. None behind what turns no
@@ -41,7 +41,7 @@ class Plough:
     draft_mix: float = 0.5
     """What mix follows: 0 the lever's position, 1 the draft [-]."""
     sensitivity_rad: float = 0.03
-    """Error of the lower links' angle that a draft of twice the expected counts as [rad]."""
+    """Gain of draft control: twice the expected draft acts as this error of the angle [rad]."""
     drop_rate_radps: float = 0.35
     """How fast the lift lowers at most [rad/s]; 0.35 is 0.33 m/s at the hitch points."""
     upper_limit_rad: float = 0.6
@@ -49,11 +49,11 @@ class Plough:
     deepest_m: float | None = None
     """Depth at which draft and mix lower no further [m]; None for the implement's greatest."""
     front_ballast_kg: float | None = None
-    """Weights on the tractor's front [kg]. None for 500 where the depth wheel is up, so that the
-    tractor carries the whole plough and would rear up, and else for none."""
+    """Weights on the tractor's front [kg]. None: 500 where the depth wheel is up, as the tractor
+    then carries the whole plough and would rear up, and 0 otherwise."""
     top_link_drop_m: float | None = None
-    """How far below its upper hole the top link is pinned to the tractor [m]; None for 0.15 in
-    float, where a steeper link puts more of the plough on the rear wheels, and else 0."""
+    """How far below its upper hole the top link is pinned to the tractor [m]; None: 0.15 in
+    float, where a steeper link puts more of the plough on the rear wheels, and 0 otherwise."""
 
     def __post_init__(self) -> None:
         if self.furrow not in FURROW_SIDES:

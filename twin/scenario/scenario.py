@@ -167,7 +167,7 @@ class Scenario:
         return self.soil.resolved.draft_scale if believed is None else believed
 
     def with_numbers(self) -> Scenario:
-        """The same scenario with its presets' numbers in it, so that it stays what was driven."""
+        """The same with its presets' numbers filled in, so that later presets do not change it."""
         other = self.field.other_soil.with_numbers()
         ground = dataclasses.replace(self.field, other_soil=other)
         driven = self.gear

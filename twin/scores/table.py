@@ -55,38 +55,6 @@ def end_lines(scores: Mapping[str, Plain]) -> list[str]:
     return lines
 
 
-def slip_lines(scores: Mapping[str, Plain]) -> list[str]:
-    """Text lines on the slip of a recorded drive; empty for a simulation.
-
-    One line per estimator, and more if the log has a rule for steady work.
-    """
-    lines = [f"{n}: {_spread(s)}, while driving" for n, s in scores.get("slip", {}).items()]
-    zero = zero_line(scores)
-    if lines and zero is not None:
-        lines.append(zero)
-    for name, slip in scores.get("steady_slip", {}).items():
-        lines.append(f"{name}: {_spread(slip)}, in steady work")
-    steady = scores.get("steady")
-    if steady:
-        lines += [
-            "steady work: slip {slip_median:.3f} (95 % {slip_low:.3f} to {slip_high:.3f}), "
-            "{n} rows: {rule}".format(**steady),
-            "zero-slip scale {scale:.4f} (95 % {scale_low:.3f} to {scale_high:.3f}), "
-            "{scale_n} rows: {scale_rule}".format(**steady),
-        ]
-        lag_s = steady["lag_s"]
-        known = "is unknown" if lag_s is None else f"is {lag_s:.2f} s"
-        lines.append(f"lag of GNSS speed behind wheel speed {known}")
-    return lines
-
-
-def _spread(slip: Mapping[str, Plain]) -> str:
-    if slip["median"] is None:
-        return "no slip estimated"
-    spread = f"5-95 % {slip['p05']:.3f} to {slip['p95']:.3f}"
-    return f"slip median {slip['median']:.3f}, {spread}, {slip['n']} samples"
-
-
 def _row(name: str, entry: Mapping[str, Plain]) -> list[str]:
     slip = entry.get("slip", {})
     angle = entry.get("sideslip_angle_rad", {})

@@ -1,7 +1,7 @@
 """A camera that looks down: when it takes frames, from where, and when they arrive.
 
-The ground it sees is the plane through the world's origin that the trajectory's `ground_normal_w`
-is normal to, level where there is none.
+The ground it sees is a plane through the world's origin with the normal `ground_normal_w` of the
+trajectory; without that column it is level.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Camera:
     latency_s: Annotated[float, Range(0, 1)] = 0.025
     """From the middle of the exposure to arrival, s; read-out and transfer of a USB camera."""
     latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.002
-    """Scale of the latency's scatter, s."""
+    """Random part of the latency: this times |N(0, 1)|, s."""
     loss_chance: Annotated[float, Range(0, 1)] = 0.0
     """Share of the frames that are lost on the way; their number is then missing."""
     mount_yaw_sd_rad: Annotated[float, Range(0, 0.2)] = radians(1.0)
@@ -208,7 +208,7 @@ def body_from_camera(config: Camera, seed: int) -> Array:
 
 
 def ground_from_world(normal_w: Array) -> Array:
-    """The shortest rotation that takes a normal to z. Shape (3, 3)."""
+    """Matrix of the shortest rotation that takes `normal_w` to z. Shape (3, 3)."""
     axis = np.cross(normal_w, [0.0, 0.0, 1.0])
     sine = float(np.linalg.norm(axis))
     if sine < 1e-12:

@@ -11,7 +11,7 @@ from numpy.random import Generator
 
 from twin.sensors.checks import Range, check_fields
 from twin.sensors.noise import GaussMarkov, advance, gauss_markov, generator
-from twin.sensors.sampling import Reader, arrivals, read, reader
+from twin.sensors.sampling import Reader, arrivals, nothing, read, reader
 from twin.streams import Table
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class Depth:
     latency_s: Annotated[float, Range(0, 1)] = 0.005
     """From measuring to arrival, s."""
     latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.0005
-    """Scale of the latency's scatter, s."""
+    """Random part of the latency: this times |N(0, 1)|, s."""
     laser_bias_m: Annotated[float, Range(-0.5, 0.5)] = 0.0
     """True error of the range, m."""
     inclination_bias_rad: Annotated[float, Range(-0.2, 0.2)] = 0.0
@@ -82,6 +82,8 @@ def sample(config: Depth, state: DepthState, chunk: Trajectory) -> tuple[DepthSt
     """
     names = ("laser_m", "inclination_rad", "velocity_w")
     position, epoch_ns, at = read(state.reader, chunk, names)
+    if not len(epoch_ns):
+        return replace(state, reader=position), nothing("laser_m", "inclination_rad")
     count = len(epoch_ns)
     east, north = at["velocity_w"][:, 0], at["velocity_w"][:, 1]
     driven_m = np.sqrt(east * east + north * north) / config.rate_hz

@@ -13,7 +13,7 @@ from twin.compute.quaternion import cross, rotated
 from twin.sensors.checks import Range, check_fields
 from twin.sensors.fix import QUALITY, Mode, Outage, Timeline, active, check_outages, timeline
 from twin.sensors.noise import Array, GaussMarkov, advance, gauss_markov, generator
-from twin.sensors.sampling import Reader, arrivals, read, reader
+from twin.sensors.sampling import Reader, arrivals, nothing, read, reader
 from twin.streams import Table
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class Gnss:
     latency_s: Annotated[float, Range(0, 5)] = 0.05
     """From the epoch to arrival, s; 20 ms in a low-latency mode, up to 0.5 s synchronous."""
     latency_jitter_s: Annotated[float, Range(0, 1)] = 0.002
-    """Scale of the latency's scatter, s."""
+    """Random part of the latency: this times |N(0, 1)|, s."""
     white_sd_m: Annotated[float, Range(0, 10)] = 0.004
     """White part of a fixed position, m; 3-5 mm."""
     coloured_sd_m: Annotated[float, Range(0, 10)] = 0.0065
@@ -123,6 +123,11 @@ def init(config: Gnss, seed: int, start_ns: int) -> GnssState:
     )
 
 
+COUNTED = ("quality", "satellites_main", "satellites_aux")
+GIVEN = (
+    "east_m", "north_m", "up_m", "quality", "position_sd_m", "v_east_mps", "v_north_mps",
+    "v_up_mps", "velocity_sd_mps", "heading_rad", "heading_sd_rad", *COUNTED[1:],
+)  # fmt: skip
 NAMES = (
     "antenna_main_w", "antenna_main_velocity_w", "antenna_aux_w", "world_from_body", "gyro_b",
 )  # fmt: skip
@@ -135,6 +140,8 @@ def sample(config: Gnss, state: GnssState, chunk: Trajectory) -> tuple[GnssState
     outside itself and its recovery.
     """
     position, epoch_ns, at = read(state.reader, chunk, NAMES)
+    if not len(epoch_ns):
+        return replace(state, reader=position), nothing(*GIVEN, whole=COUNTED)
     time_s: Array = (epoch_ns - state.start_ns) * np.float64(1e-9)
     count = len(epoch_ns)
     coloured, colours = {}, {}

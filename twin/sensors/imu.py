@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import radians
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
@@ -30,7 +30,7 @@ from twin.sensors.filters import filtered, group_delay_s, low_pass, settled
 from twin.sensors.noise import Array, GaussMarkov, advance, gauss_markov, generator
 from twin.sensors.sampling import Averager, Stamps, arrivals, average, averager
 from twin.sensors.vibration import Vibration, shake, start
-from twin.streams import Table
+from twin.streams import COLUMNS, Table
 
 if TYPE_CHECKING:
     from twin.trajectory.trajectory import Trajectory
@@ -58,7 +58,7 @@ class Imu:
     latency_s: Annotated[float, Range(0, 1)] = 0.002
     """From conversion to arrival, beside the filter's delay, s."""
     latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.0002
-    """Scale of the latency's scatter, s."""
+    """Random part of the latency: this times |N(0, 1)|, s."""
     gyro_noise_radps_rthz: Annotated[float, Range(0, 1)] = radians(0.005)
     """White noise N of the gyroscopes: Allan deviation N / sqrt(tau); angle random walk."""
     accel_noise_mps2_rthz: Annotated[float, Range(0, 10)] = 350e-6 * STANDARD_GRAVITY_MPS2
@@ -76,7 +76,7 @@ class Imu:
     scale_sd: Annotated[float, Range(0, 0.1)] = 1e-3
     """sd of the scale error of each axis, drawn once from the seed; assumed, calibrated unit."""
     mounting_sd_rad: Annotated[float, Range(0, 0.5)] = radians(0.2)
-    """sd of each mounting angle, drawn once from the seed, rad; assumed, fitted with a square."""
+    """sd of each mounting angle, drawn once from the seed, rad; assumed, set with a square."""
     gyro_range_radps: Annotated[float, Range(0.1, 100)] = radians(250.0)
     """Full scale, rad/s; with 16 bits the resolution is range / 32768."""
     accel_range_mps2: Annotated[float, Range(10, 1000)] = 4.0 * STANDARD_GRAVITY_MPS2
@@ -110,6 +110,17 @@ class Imu:
         return round(self.internal_rate_hz / self.rate_hz)
 
 
+class Scales(NamedTuple):
+    """Numbers of the data sheet for the six channels, shape (6,)."""
+
+    white_sd: Array
+    """sd of the white noise of a conversion."""
+    limit: Array
+    """Full scale."""
+    step: Array
+    """Resolution."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class ImuState:
     """Where the unit stands, and the errors drawn for this run; gyroscopes come first."""
@@ -122,6 +133,9 @@ class ImuState:
     """The low-pass, shape (sections, 6)."""
     memory: Array | None
     """State of the low-pass; None before the first conversion."""
+    delay_ns: int
+    """From the instant a sample describes to the end of its last window."""
+    scales: Scales
     felt_from_body: Array
     """Scale and mounting: (1 + S_i) R_ij, shape (2, 3, 3) for gyroscopes and accelerometers."""
     turn_on: Array
@@ -136,12 +150,17 @@ def init(config: Imu, seed: int, start_ns: int) -> ImuState:
     turn_on = generator(seed, "imu", "turn-on").standard_normal(6)
     true_bias = np.array([*config.gyro_bias_radps, *config.accel_bias_mps2])
     instability = _both(config.gyro_instability_radps, config.accel_instability_mps2)
+    density = _both(config.gyro_noise_radps_rthz, config.accel_noise_mps2_rthz)
+    limit = _both(config.gyro_range_radps, config.accel_range_mps2)
+    sections = low_pass(config.filter_order, config.filter_cut_hz, config.internal_rate_hz)
     return ImuState(
         start_ns=start_ns,
         arrival_ns=start_ns,
         averager=averager(start_ns, config.internal_rate_hz, 6),
         vibration=start(generator(seed, "imu", "vibration")),
-        sections=low_pass(config.filter_order, config.filter_cut_hz, config.internal_rate_hz),
+        sections=sections,
+        delay_ns=delay_ns(config, sections),
+        scales=Scales(density * np.sqrt(config.internal_rate_hz), limit, limit / 32768.0),
         memory=None,
         felt_from_body=_felt_from_body(config, seed),
         turn_on=true_bias + _both(config.gyro_bias_sd_radps, config.accel_bias_sd_mps2) * turn_on,
@@ -164,7 +183,7 @@ def sample(config: Imu, state: ImuState, chunk: Trajectory) -> tuple[ImuState, T
     if len(converted):
         first = settled(state.sections, converted[0]) if memory is None else memory
         memory, smooth = filtered(state.sections, first, converted)
-    epoch_ns = end_ns - delay_ns(config, state.sections)
+    epoch_ns = end_ns - state.delay_ns
     out = (number % config.decimation == 0) & (epoch_ns >= state.start_ns)
     last_ns, table = _output(config, state, epoch_ns[out], end_ns[out], smooth[out])
     after = replace(
@@ -207,10 +226,9 @@ def _felt(config: Imu, state: ImuState, chunk: Trajectory) -> tuple[Vibration, A
 def _converted(config: Imu, state: ImuState, means: Array) -> tuple[GaussMarkov, Array]:
     """Conversions: means + turn-on bias + wandering bias + white of sd N sqrt(rate), clipped."""
     count = len(means)
-    density = _both(config.gyro_noise_radps_rthz, config.accel_noise_mps2_rthz)
-    limit = _both(config.gyro_range_radps, config.accel_range_mps2)
+    limit = state.scales.limit
     wander, bias = advance(state.wander, np.full(count, 1.0 / config.internal_rate_hz))
-    white = density * np.sqrt(config.internal_rate_hz) * state.white.standard_normal((count, 6))
+    white = state.scales.white_sd * state.white.standard_normal((count, 6))
     return wander, np.clip(means + state.turn_on + bias + white, -limit, limit)
 
 
@@ -218,14 +236,13 @@ def _output(
     config: Imu, state: ImuState, epoch_ns: Stamps, end_ns: Stamps, smooth: Array
 ) -> tuple[int, Table]:
     """Samples rounded to the resolution, and their stamps."""
-    step = _both(config.gyro_range_radps, config.accel_range_mps2) / 32768.0
+    step = state.scales.step
     rounded = np.rint(smooth / step) * step
     scatter = np.abs(state.latency.standard_normal(len(epoch_ns)))
     delay_s = config.latency_s + config.latency_jitter_s * scatter
     last_ns, arrival_ns = arrivals(state.arrival_ns, end_ns, delay_s)
-    names = [f"gyro_{a}_radps" for a in "xyz"] + [f"accel_{a}_mps2" for a in "xyz"]
     table: Table = {"epoch_ns": epoch_ns, "arrival_ns": arrival_ns}
-    table |= {name: rounded[:, j] for j, name in enumerate(names)}
+    table |= {name: rounded[:, j] for j, name in enumerate(COLUMNS["imu"])}
     return last_ns, table
 
 

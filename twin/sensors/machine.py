@@ -11,7 +11,7 @@ from numpy.random import Generator
 
 from twin.sensors.checks import Range, check_fields
 from twin.sensors.noise import Array, generator
-from twin.sensors.sampling import Reader, arrivals, read, reader
+from twin.sensors.sampling import Reader, arrivals, nothing, read, reader
 from twin.streams import Table
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class Bus:
     latency_s: Annotated[float, Range(0, 1)] = 0.01
     """From measuring to arrival, s."""
     latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.002
-    """Scale of the latency's scatter, s."""
+    """Random part of the latency: this times |N(0, 1)|, s."""
     reference_torque_nm: Annotated[float, Range(1, 10_000)] = 600.0
     """Torque that is a load of 1, N m (SPN 544)."""
     lower_link_m: Annotated[float, Range(0.05, 2)] = 0.9
@@ -92,6 +92,12 @@ COLUMNS = (
 )  # fmt: skip
 
 
+GIVEN = (
+    "steer_rad", "hitch_m", "draft_pin_n", "axle_torque_nm", "engine_radps", "engine_load",
+    "fuel_lph",
+)  # fmt: skip
+
+
 def sample(config: Bus, state: BusState, chunk: Trajectory) -> tuple[BusState, Table]:
     """Messages of the chunk: each quantity with its noise, rounded to the bus's resolution.
 
@@ -99,6 +105,8 @@ def sample(config: Bus, state: BusState, chunk: Trajectory) -> tuple[BusState, T
     engine_load   = engine torque / reference torque, in [0, 1.25]
     """
     position, epoch_ns, at = read(state.reader, chunk, COLUMNS)
+    if not len(epoch_ns):
+        return replace(state, reader=position), nothing(*GIVEN)
     count = len(epoch_ns)
     steer = config.steer_bias_rad + config.steer_sd_rad * state.steer.standard_normal(count)
     draft = config.draft_pin_sd_n * state.draft.standard_normal(count)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.random import Generator, SeedSequence
@@ -63,7 +63,8 @@ def advance(process: GaussMarkov, step: Array) -> tuple[GaussMarkov, Array]:
     for j, last in enumerate(process.last.tolist()):
         values[:, j] = _recurrence(last, phi.tolist(), drive[:, j].tolist())
     if len(values):
-        process = replace(process, last=values[-1].copy())
+        last = values[-1].copy()
+        process = GaussMarkov(sd=process.sd, scale=process.scale, last=last, rng=process.rng)
     return process, values
 
 

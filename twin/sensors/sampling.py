@@ -7,11 +7,14 @@ so the same trajectory gives the same bits in any chunking.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+from twin.streams import STAMPS, Table
 
 if TYPE_CHECKING:
     from twin.trajectory.trajectory import Trajectory
@@ -34,13 +37,14 @@ def due(clock: Clock, grid_ns: Stamps) -> tuple[Clock, Stamps]:
     """The epochs, from the next one on, that the grid covers; shape (n,)."""
     if len(grid_ns) == 0:
         return clock, np.empty(0, np.int64)
-    elapsed_s = (int(grid_ns[-1]) - clock.start_ns) * 1e-9
+    first_ns, last_ns = int(grid_ns[0]), int(grid_ns[-1])
+    elapsed_s = (last_ns - clock.start_ns) * 1e-9
     stop = max(clock.index, int(elapsed_s * clock.rate_hz) + 2)
     number = np.arange(clock.index, stop)
     epoch_ns = clock.start_ns + np.rint(number * 1e9 / clock.rate_hz).astype(np.int64)
-    covered = epoch_ns <= grid_ns[-1]
-    after = replace(clock, index=clock.index + int(np.count_nonzero(covered)))
-    return after, epoch_ns[covered & (epoch_ns >= grid_ns[0])]
+    covered = int(np.searchsorted(epoch_ns, last_ns, side="right"))
+    after = Clock(start_ns=clock.start_ns, rate_hz=clock.rate_hz, index=clock.index + covered)
+    return after, epoch_ns[int(np.searchsorted(epoch_ns, first_ns)) : covered]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,12 +79,25 @@ def read(
     """
     grid_ns = np.concatenate([state.grid_ns, chunk.epoch_ns])
     columns = {n: np.asarray(chunk[n], float) for n in names}
-    rows = {n: np.concatenate([state.rows.get(n, c[:0]), c]) for n, c in columns.items()}
     clock, epoch_ns = due(state.clock, grid_ns)
+    kept = {n: c[-1:].copy() for n, c in columns.items()} if len(chunk) else state.rows
+    after = Reader(clock=clock, grid_ns=grid_ns[-1:].copy(), rows=kept)
+    if not len(epoch_ns):
+        return after, epoch_ns, {n: c[:0] for n, c in columns.items()}
     left, right, fraction = _bracket(grid_ns, epoch_ns)
+    before = len(state.grid_ns)
+    if right[0] >= before and (fraction == 1.0).all():
+        return after, epoch_ns, {n: c[right - before] for n, c in columns.items()}
+    rows = {n: np.concatenate([state.rows.get(n, c[:0]), c]) for n, c in columns.items()}
     values = {n: _interpolate(x[left], x[right], fraction) for n, x in rows.items()}
-    kept = {n: x[-1:].copy() for n, x in rows.items()}
-    return Reader(clock=clock, grid_ns=grid_ns[-1:].copy(), rows=kept), epoch_ns, values
+    return after, epoch_ns, values
+
+
+@cache
+def nothing(*columns: str, whole: tuple[str, ...] = ()) -> Table:
+    """A table of stamps and columns without a row; those of `whole` hold whole numbers."""
+    counted = (*STAMPS, *whole)
+    return {n: np.empty(0, np.int64 if n in counted else float) for n in (*STAMPS, *columns)}
 
 
 def _bracket(grid_ns: Stamps, epoch_ns: Stamps) -> tuple[Stamps, Stamps, Array]:

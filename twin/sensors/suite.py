@@ -108,23 +108,34 @@ def sample(sensors: Sensors, state: SuiteState, chunk: Trajectory) -> tuple[Suit
     hands on the same samples in the same order.
     """
     states, waiting, arrived, held = {}, {}, {}, state.held
+    now_ns = int(chunk.epoch_ns[-1]) if len(chunk) else None
     for name, config in sensors.fitted().items():
         states[name], table = MODULES.get(name, own).sample(config, state.sensors[name], chunk)
         if sensors.faults:
             table, held = fail(sensors.faults, name, table, state.start_ns, held)
-        if name in state.waiting:
-            before = state.waiting[name]
+        before = state.waiting.get(name)
+        if before is not None and len(before["epoch_ns"]):
             table = {c: np.concatenate([before[c], v]) for c, v in table.items()}
-        now_ns = chunk.epoch_ns[-1] if len(chunk) else -np.inf
-        count = int(np.searchsorted(table["arrival_ns"], now_ns, side="right"))
-        arrived[name] = {c: v[:count] for c, v in table.items()}
-        waiting[name] = {c: v[count:] for c, v in table.items()}
+        arrived[name], waiting[name] = _parted(table, now_ns)
     after = SuiteState(sensors=states, waiting=waiting, start_ns=state.start_ns, held=held)
     if sensors.camera is None:
         return after, Streams(arrived)
     frames = camera.frames(sensors.camera, states["camera"], arrived["camera"])
     arrived["camera"] = camera.stream_table(arrived["camera"])  # the poses are true ones
     return after, Streams(arrived, frames)
+
+
+def _parted(table: Table, now_ns: int | None) -> tuple[Table, Table]:
+    """What has arrived by now, and what is still on its way."""
+    count = 0
+    if now_ns is not None and len(table["arrival_ns"]):
+        count = int(np.searchsorted(table["arrival_ns"], now_ns, side="right"))
+    nothing = {c: v[:0] for c, v in table.items()}
+    if count == 0:
+        return nothing, table
+    if count == len(table["arrival_ns"]):
+        return table, nothing
+    return {c: v[:count] for c, v in table.items()}, {c: v[count:] for c, v in table.items()}
 
 
 def faults_from(sensors: Sensors, start_s: float) -> Sensors:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi
 
 import numpy as np
@@ -55,15 +55,14 @@ def shake(
     turned = np.add.accumulate(np.concatenate([[state.crank_rad], pieces]))
     crank_rad = turned[len(state.epoch_ns) :][: len(epoch_ns)]
     strength = np.sqrt(2.0) * rms_mps2 * np.minimum(np.abs(engine_radps) / IDLE_RADPS, 1.0)
-    added = np.empty((len(epoch_ns), 3))
-    for axis in range(3):
-        firing = np.sin(np.mod(firing_order * crank_rad + state.phase_rad[0, axis], 2.0 * pi))
-        first = np.sin(np.mod(crank_rad + state.phase_rad[1, axis], 2.0 * pi))
-        added[:, axis] = strength * (FIRING_SHARE * firing + FIRST_SHARE * first)
-    after = replace(
-        state,
+    crank_rad = crank_rad[:, None]
+    firing = np.sin(np.mod(firing_order * crank_rad + state.phase_rad[0], 2.0 * pi))
+    first = np.sin(np.mod(crank_rad + state.phase_rad[1], 2.0 * pi))
+    added = strength[:, None] * (FIRING_SHARE * firing + FIRST_SHARE * first)
+    after = Vibration(
         crank_rad=float(turned[-1]),
         epoch_ns=grid_ns[-1:].copy(),
         engine_radps=speed[-1:].copy(),
+        phase_rad=state.phase_rad,
     )
     return after, added

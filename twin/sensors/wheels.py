@@ -10,11 +10,13 @@ from numpy.random import Generator
 
 from twin.sensors.checks import Range, check_fields
 from twin.sensors.noise import Array, generator
-from twin.sensors.sampling import Reader, arrivals, read, reader
+from twin.sensors.sampling import Reader, arrivals, nothing, read, reader
 from twin.streams import WHEELS, Table
 
 if TYPE_CHECKING:
     from twin.trajectory.trajectory import Trajectory
+
+TICKS = tuple(f"ticks_{wheel}" for wheel in WHEELS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +32,7 @@ class Wheels:
     latency_s: Annotated[float, Range(0, 1)] = 0.005
     """From reading to arrival, s."""
     latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.0005
-    """Scale of the latency's scatter, s."""
+    """Random part of the latency: this times |N(0, 1)|, s."""
     read_jitter_s: Annotated[float, Range(0, 1e-3)] = 20e-6
     """sd of the instant of reading about its epoch, s."""
     radius_error: Annotated[tuple[float, float, float, float], Range(-0.2, 0.2)] = (
@@ -90,6 +92,8 @@ def sample(config: Wheels, state: WheelsState, chunk: Trajectory) -> tuple[Wheel
     """
     names = ("wheel_angle_rad", "wheel_rate_radps")
     position, epoch_ns, at = read(state.reader, chunk, names)
+    if not len(epoch_ns):
+        return replace(state, reader=position), nothing(*TICKS, whole=TICKS)
     count = len(epoch_ns)
     jitter_s = config.read_jitter_s * state.read_jitter.standard_normal(count)
     turned_rad = at["wheel_angle_rad"] + at["wheel_rate_radps"] * jitter_s[:, None]
@@ -99,5 +103,5 @@ def sample(config: Wheels, state: WheelsState, chunk: Trajectory) -> tuple[Wheel
     delay_s = config.latency_s + config.latency_jitter_s * scatter
     last_ns, arrival_ns = arrivals(state.arrival_ns, epoch_ns, delay_s)
     table: Table = {"epoch_ns": epoch_ns, "arrival_ns": arrival_ns}
-    table |= {f"ticks_{wheel}": ticks[:, j] for j, wheel in enumerate(WHEELS)}
+    table |= {name: ticks[:, j] for j, name in enumerate(TICKS)}
     return replace(state, reader=position, arrival_ns=last_ns), table

@@ -89,10 +89,23 @@ class Recorder:
             )
         }
 
+        self.angles, self.rates = (
+            [self.sensors[f"{wheel}_{what}"].start for wheel in block.WHEELS]
+            for what in ("angle_rad", "rate_radps")
+        )
+
     @property
     def time_s(self) -> float:
         """Simulated time recorded so far."""
         return self.steps * self.step_ns * 1e-9
+
+    def sensed(self, record: Record) -> Trajectory:
+        """One record of (1, steps, ...) with the columns alone that sensors read."""
+        sensordata, slots = record["sensordata"][0], record["userdata"][0]
+        n = len(slots)
+        epoch_ns = (self.steps + np.arange(n, dtype=np.int64)) * self.step_ns
+        self.steps += n
+        return Trajectory(epoch_ns, self._sensed(sensordata, slots))
 
     def trajectory(self, records: Sequence[Record], end: End | None = None) -> Trajectory:
         """One trajectory from consecutive records of (1, steps, ...) each; the last has an end."""
@@ -131,47 +144,58 @@ class Recorder:
             "power_step_w": 0.5 * np.sum((stored - lossy) * change, axis=1),
         }
 
-    def _columns(self, sensordata: Array, slots: Array) -> dict[str, Array]:
+    def _sensed(self, sensordata: Array, slots: Array) -> dict[str, Array]:
+        """What sensors read."""
+
         def sensor(name: str) -> Array:
             values = sensordata[:, self.sensors[name]]
             return values[:, 0] if values.shape[1] == 1 else values
 
         columns = {name: sensor(name) for name in SENSOR_COLUMNS}
-        for what in ("angle_rad", "rate_radps"):
-            columns[f"wheel_{what}"] = np.stack([sensor(f"{w}_{what}") for w in block.WHEELS], 1)
+        columns["wheel_angle_rad"] = sensordata[:, self.angles]
+        columns["wheel_rate_radps"] = sensordata[:, self.rates]
         columns["steer_rad"] = 0.5 * (columns["fl_steer_rad"] + columns["fr_steer_rad"])
-        wheels = slots[:, : block.MACHINE_SLOTS].reshape(len(slots), 4, int(WheelSlot.SIZE))
         machine = slots[:, block.MACHINE_SLOTS :]
-        powers = slots[:, block.POWER_SLOTS :]
-        columns |= {name: wheels[:, :, slot] for name, slot in WHEEL_COLUMNS.items()}
-        if not self.own_zero:
-            radius = columns["rolling_radius_m"] * self.factors
-            rim_mps = columns["spin_radps"] * radius
-            own = {
-                "rolling_radius_m": radius,
-                "slip": slip_ratio(rim_mps, columns["wheel_speed_x_mps"]),
-            }
-            columns |= own
         columns |= {name: machine[:, slot] for name, slot in MACHINE_COLUMNS.items()}
-        columns |= {name: powers[:, slot] for name, slot in POWER_COLUMNS.items()}
         engine_radps = columns["engine_radps"]
         crank_w = columns["engine_torque_nm"] * engine_radps
         columns["fuel_lph"] = fuel_lph(self.numbers, crank_w, engine_radps)
+        linkage = "hitch_rad" in self.sensors
+        columns["hitch_rad"] = sensor("hitch_rad") if linkage else np.zeros(len(slots))
+        columns["ground_normal_w"] = np.broadcast_to(self.normal, (len(slots), 3))
+        return columns | self._laser(sensor, len(slots))
+
+    def _columns(self, sensordata: Array, slots: Array) -> dict[str, Array]:
+        """What sensors read, and what is true beside it."""
+
+        def sensor(name: str) -> Array:
+            return sensordata[:, self.sensors[name]][:, 0]
+
+        columns = self._sensed(sensordata, slots)
+        wheels = slots[:, : block.MACHINE_SLOTS].reshape(len(slots), 4, int(WheelSlot.SIZE))
+        machine, powers = slots[:, block.MACHINE_SLOTS :], slots[:, block.POWER_SLOTS :]
+        columns |= {name: wheels[:, :, slot] for name, slot in WHEEL_COLUMNS.items()}
+        if not self.own_zero:
+            columns |= self._by_zero(columns)
+        columns |= {name: powers[:, slot] for name, slot in POWER_COLUMNS.items()}
         columns["slip_angle_rad"] = np.arctan2(
             -columns["tread_speed_y_mps"], np.abs(columns["wheel_speed_x_mps"])
         )
-        linkage = "hitch_rad" in self.sensors
-        none = np.zeros(len(slots))
-        columns["hitch_rad"] = sensor("hitch_rad") if linkage else none
+        linkage, none = "hitch_rad" in self.sensors, np.zeros(len(slots))
         columns["power_lift_w"] = -sensor("lift_nm") * sensor("lift_radps") if linkage else none
         columns["power_steer_w"] = -(
             sensor("steer_left_nm") * sensor("fl_steer_radps")
             + sensor("steer_right_nm") * sensor("fr_steer_radps")
         )
         columns["draft_w"] = machine[:, MachineSlot.DRAFT_X_N : MachineSlot.DRAFT_Z_N + 1]
-        columns["ground_normal_w"] = np.broadcast_to(self.normal, (len(slots), 3))
-        columns |= self._laser(sensor, len(slots))
         return columns
+
+    def _by_zero(self, columns: dict[str, Array]) -> dict[str, Array]:
+        """Rolling radius and slip by the scenario's zero: `twin.machine.zero_slip`."""
+        radius_m = columns["rolling_radius_m"] * self.factors
+        rim_mps = columns["spin_radps"] * radius_m
+        slip = slip_ratio(rim_mps, columns["wheel_speed_x_mps"])
+        return {"rolling_radius_m": radius_m, "slip": slip}
 
     def _height_m(self, place_w: Array) -> Array:
         """Height of the ground's map at places. Shape (n, 3) -> (n,)."""

@@ -189,16 +189,16 @@ def work(
 
 @law
 def valve_radps(task: DriverTask, mix: float, hitch_rad: float, felt_n: float) -> float:
-    """Rate of the lift in position and draft control and their mix, as an electronic hitch has it.
+    """Rate of an electronic hitch's lift under position control, draft control or a mix of both.
 
         rate = g [(1 - m) (lever - angle) + m S (D - D_0) / D_0]
 
-    Between the limits of the lift, where it is a control of position; no rate within the dead band,
-    and none above the lift's rate or the drop rate.
+    The bracket is limited to [lowest - angle, highest - angle], so that the lift stops at its
+    limits. The rate is 0 within the dead band, and limited to the lift rate and the drop rate.
 
     Args:
-        task: g is VALVE_GAIN_PER_S, S the sensitivity, D_0 the draft that is held.
-        mix: m.
+        task: g is VALVE_GAIN_PER_S, lever is `work_rad`, S the sensitivity, D_0 the draft held.
+        mix: m, 0 for position and 1 for draft.
         hitch_rad: angle of the lower links.
         felt_n: D.
     """

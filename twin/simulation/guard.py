@@ -175,6 +175,8 @@ def replay(folder: Path) -> Replay:
     if head != (block.MAGIC, block.VERSION):
         raise BadInput(f"{folder} was written by another version of this program")
     own = law_number(scenario.soil.law)
+    if scenario.field.other_soil is not None:
+        law_number(scenario.field.other_soil.law)
     if model.numeric_data[-block.SIZE + block.SOIL + Soil.LAW] != own and ":" in scenario.soil.law:
         raise BadInput(f"soil law '{scenario.soil.law}' has been edited since {folder} was written")
     return repeat(model, states, steps)

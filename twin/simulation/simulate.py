@@ -54,7 +54,10 @@ class CourseRun:
         return seen
 
     def act(self) -> Record:
-        """Decide, then run to the next decision, 20 ms. Raises Diverged."""
+        """Let the driver decide, then simulate 20 ms; gives what each physics step recorded.
+
+        Begins the next leg where one ends. Raises Diverged.
+        """
         self.observe()
         self.simulation.decide()
         return self.simulation.run()

@@ -18,6 +18,6 @@ from twin.studies.work import missing, work
 
 __all__ = [
     "Case", "Group", "early_ends", "failed", "groups", "left_out", "missing", "plan",
-    "quantities", "read",
-    "rows", "work", "write_table",
+    "quantities", "read", "rows",
+    "work", "write_table",
 ]  # fmt: skip

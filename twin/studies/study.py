@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from twin.errors import BadInput
 from twin.io.plain import Plain
@@ -47,9 +47,13 @@ def study(
     jobs: int = -1,
     backend: str = "loky",
     options: Mapping[str, Plain] | None = None,
+    retry_failed: bool = False,
+    asked: Plain = None,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Study:
     """Scenarios x sweeps x seeds, every estimator on each; a stopped study can be continued.
+
+    There is an argument for each option of `twin study`, which is this function's command line.
 
     Args:
         scenarios, estimators: names, or `module:Name` of your own.
@@ -58,7 +62,9 @@ def study(
         sweeps: field by dotted path -> the values it takes.
         against: an estimator that the others are compared with, seed by seed.
         jobs: processes; -1 for as many as the backend has.
-        backend, options: where the runs run, as joblib calls it, and what it is told.
+        backend, options: name of a joblib backend, and its keyword arguments.
+        retry_failed: repeat the runs that failed.
+        asked: what `study.json` keeps; the arguments above where None.
         progress: called with the share of the runs done.
 
     Raises:
@@ -68,11 +74,17 @@ def study(
         >>> done = twin.study(["plough-25cm"], ["ratio"], out="studies/one")  # doctest: +SKIP
     """
     from twin.studies.plan import plan
+    from twin.studies.table import failed
     from twin.studies.work import work
 
     swept, folder = dict(sweeps or {}), Path(out)
-    cases = plan(list(scenarios), list(seeds), list(estimators), swept)
-    begin(folder, "")
+    names, runs, chosen = list(scenarios), list(seeds), list(estimators)
+    cases = plan(names, runs, chosen, swept)
+    arguments = {"scenarios": names, "seeds": runs, "estimators": chosen, "against": against}
+    begin(folder, asked or {**arguments, "sweeps": {k: list(v) for k, v in swept.items()}})
+    if retry_failed:
+        for path in failed(cases, folder / PARTS):
+            path.unlink()
     work(
         cases, folder / PARTS, jobs=jobs, backend=backend, options=dict(options or {}),
         progress=progress,
@@ -80,7 +92,7 @@ def study(
     return finished(cases, folder, list(swept), against)
 
 
-def begin(folder: Path, asked: Any) -> None:
+def begin(folder: Path, asked: Plain) -> None:
     """Make the folder, or see that it is a study's, and write down what was asked.
 
     Raises:

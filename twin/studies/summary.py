@@ -1,8 +1,6 @@
 """Means over the seeds, with their 95 % intervals.
 
-    mean -+ t(0.975, n - 1) sd / sqrt(n)
-
-The interval of what cannot be negative, as an RMSE, ends at 0.
+The lower end of the interval is at least 0 for what cannot be negative, as an RMSE.
 
 Runs that failed are left out and counted. Runs that were not driven as planned are counted, and
 stand in the means with what was scored of them.
@@ -15,8 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
+from twin.compute.mean import Mean, mean
 from twin.io.plain import Plain
 from twin.io.result_rows import row
 
@@ -68,21 +65,6 @@ class Group:
         return {s: v for s, v in found.items() if v is not None and math.isfinite(v)}
 
 
-@dataclass(frozen=True)
-class Mean:
-    """A mean of `n` values and its 95 % interval; from a single value the interval is unknown."""
-
-    mean: float
-    low: float
-    high: float
-    n: int
-
-    @property
-    def half(self) -> float:
-        """Half the width of the interval about the mean."""
-        return self.high - self.mean
-
-
 def groups(rows: Iterable[Row], swept: Sequence[str]) -> list[Group]:
     """The rows of a study by scenario, swept values and estimator, in order of appearance."""
     found: dict[tuple[Any, ...], list[Row]] = {}
@@ -125,21 +107,6 @@ def mean_of(group: Group, quantity: str) -> Mean:
     if quantity.rpartition(".")[2] in NEVER_NEGATIVE and found.low < 0.0:
         return replace(found, low=0.0)
     return found
-
-
-def mean(values: Iterable[float]) -> Mean:
-    """Mean and interval; NaN of nothing."""
-    from scipy.stats import t  # late: slow to import
-
-    sample = np.fromiter(values, np.float64)
-    n = len(sample)
-    if n == 0:
-        return Mean(math.nan, math.nan, math.nan, 0)
-    centre = float(np.mean(sample))
-    if n == 1:
-        return Mean(centre, math.nan, math.nan, 1)
-    half = float(t.ppf(0.975, n - 1) * np.std(sample, ddof=1) / np.sqrt(n))
-    return Mean(centre, centre - half, centre + half, n)
 
 
 def paired(group: Group, other: Group, quantity: str) -> Mean:
@@ -187,8 +154,7 @@ def rows(
 def _row(case: str, name: str, found: Mean, quantity: str) -> list[dict[str, Plain]]:
     if found.n == 0:
         return []
-    line = row(case, name, found.mean, _unit(quantity))
-    return [line if found.n == 1 else line | {"low": found.low, "high": found.high}]
+    return [row(case, name, found.mean, _unit(quantity)) | found.bounds]
 
 
 def _unit(quantity: str) -> str:

@@ -242,9 +242,9 @@ CHECKS: tuple[Callable[[Estimator], None], ...] = (
 def check_estimator(
     estimator: Estimator, *, checks: Sequence[Callable[[Estimator], None]] = CHECKS
 ) -> None:
-    """Raise AssertionError with all that an estimator does not hold; see `CHECKS`.
+    """Run the checks, and raise one AssertionError that lists all that failed; see `CHECKS`.
 
-    An estimator with a true attribute `offline` sees the whole log: it need not be causal.
+    An estimator whose attribute `offline` is True sees the whole log: it need not be causal.
 
     Args:
         estimator: with `init(setup) -> state` and `run(state, chunk) -> (state, table)`.

@@ -89,13 +89,21 @@ def _ground_velocity(
     world_from_body: Array, normal_w: Array, velocity_w: Array, out: Array
 ) -> None:
     for i in range(len(velocity_w)):
-        q = world_from_body[i]
-        n, v = rigid.row3(normal_w, i), rigid.row3(velocity_w, i)
-        body_x = x_axis(q[0], q[1], q[2], q[3])
-        ahead = rigid.minus(body_x, rigid.scaled(rigid.dot(body_x, n), n))
-        length = math.sqrt(rigid.dot(ahead, ahead))
-        ahead = (ahead[0] / length, ahead[1] / length, ahead[2] / length)
-        out[0, i], out[1, i] = rigid.dot(ahead, v), rigid.dot(rigid.cross(n, ahead), v)
+        out[0, i], out[1, i] = ground_velocity_of(world_from_body, normal_w, velocity_w, i)
+
+
+@inlined_law
+def ground_velocity_of(
+    world_from_body: Array, normal_w: Array, velocity_w: Array, i: int
+) -> tuple[float, float]:
+    """Velocities v_x and v_y of row i; see `ground_velocity`."""
+    q = world_from_body[i]
+    n, v = rigid.row3(normal_w, i), rigid.row3(velocity_w, i)
+    body_x = x_axis(q[0], q[1], q[2], q[3])
+    ahead = rigid.minus(body_x, rigid.scaled(rigid.dot(body_x, n), n))
+    length = math.sqrt(rigid.dot(ahead, ahead))
+    ahead = (ahead[0] / length, ahead[1] / length, ahead[2] / length)
+    return rigid.dot(ahead, v), rigid.dot(rigid.cross(n, ahead), v)
 
 
 def driven_axle(wheels: Wheels, driven: Places) -> DrivenAxle:
@@ -110,11 +118,19 @@ def driven_axle(wheels: Wheels, driven: Places) -> DrivenAxle:
 def _driven_axle(
     spin_radps: Array, radius_m: Array, hub_mps: Array, driven: Places, out: Array
 ) -> None:
-    count = len(driven)
     for i in range(len(spin_radps)):
-        rim = hub = spin = 0.0
-        for wheel in driven:
-            rim += spin_radps[i, wheel] * radius_m[i, wheel]
-            hub += hub_mps[i, wheel]
-            spin += spin_radps[i, wheel]
-        out[0, i], out[1, i], out[2, i] = rim / count, hub / count, spin / count
+        out[0, i], out[1, i], out[2, i] = driven_axle_of(spin_radps, radius_m, hub_mps, driven, i)
+
+
+@inlined_law
+def driven_axle_of(
+    spin_radps: Array, radius_m: Array, hub_mps: Array, driven: Places, i: int
+) -> tuple[float, float, float]:
+    """The means of row i, in the order of DrivenAxle."""
+    count = len(driven)
+    rim = hub = spin = 0.0
+    for wheel in driven:
+        rim += spin_radps[i, wheel] * radius_m[i, wheel]
+        hub += hub_mps[i, wheel]
+        spin += spin_radps[i, wheel]
+    return rim / count, hub / count, spin / count

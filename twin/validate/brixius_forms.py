@@ -30,7 +30,18 @@ KINDS = {"bias": Constants(7.5, 0.04, 1.0), "radial": Constants(9.5, 0.0325, 0.9
 
 
 def mobility(sizes: Mapping[Wheel, float], load_n: float, cone_index_kpa: float) -> float:
-    """Bn = (CI b d / W) (1 + 5 delta/h) / (1 + 3 b/d)"""
+    """Brixius' mobility number of a tyre on a soil [-].
+
+    Bn = (CI b d / W) (1 + 5 delta/h) / (1 + 3 b/d)
+
+    CI is the cone index, W the load, b the tyre's width, d its diameter, delta/h its deflection
+    over the height of its section.
+
+    Args:
+        sizes: b, d and delta/h of one tyre, by `Wheel.WIDTH_M`, `DIAMETER_M`, `DEFLECTION_RATIO`.
+        load_n: W.
+        cone_index_kpa: CI.
+    """
     b, d = sizes[Wheel.WIDTH_M], sizes[Wheel.DIAMETER_M]
     bracket = (1.0 + 5.0 * sizes[Wheel.DEFLECTION_RATIO]) / (1.0 + 3.0 * b / d)
     return cone_index_kpa * 1e3 * b * d / load_n * bracket

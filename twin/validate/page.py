@@ -81,7 +81,12 @@ NOT_VALIDATED = """\
 
 
 def text(checks: Mapping[str, Sequence[Check]], *, quick: bool = False) -> str:
-    """The page. Rows are numbered within their layer."""
+    """VALIDATION.md: a section for each layer of checks, A to G, its rows numbered A1, A2, ...
+
+    Args:
+        checks: the rows of each layer.
+        quick: say that each field run had one seed.
+    """
     parts = [INTRODUCTION, "\n".join(f"* {name}: {about}." for name, about in GRADES.items())]
     parts += ["", _summary(checks)]
     if quick:

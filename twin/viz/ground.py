@@ -41,13 +41,13 @@ SOIL, OTHER, WET, TURNED = (176, 152, 118), (118, 96, 76), (140, 122, 104), (104
 
 @dataclass(frozen=True, kw_only=True)
 class Ground:
-    """What of a machine's ground can be seen."""
+    """What is needed to draw a machine's ground: orientation, maps, and the plough's bodies."""
 
     world_from_ground: Array = field(default_factory=lambda: np.eye(3))
     maps: Mapping[str, Any] = field(default_factory=dict)
     """`heights` and `mixture`, each with `at(s_m, t_m)`."""
     bodies: Bodies | None = None
-    """Those of the plough that turns it over; None where none is known, and nothing is turned."""
+    """Bodies of the plough; None without a plough, and then no soil is drawn as turned."""
 
     def surface_w(self, s_m: Array, t_m: Array, above_m: Array | float = 0.0) -> Array:
         """Points of the surface, lifted by `above_m`. Shape (n, 3)."""

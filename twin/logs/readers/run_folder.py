@@ -9,11 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from twin.errors import BadInput, UnknownName
-from twin.logs.cells import LARGEST, quoted
-from twin.logs.column_map import ColumnMap
+from twin.logs.cells import LARGEST, Text, quoted
 from twin.logs.log import Log
-from twin.logs.parquet_table import read_parquet
 from twin.logs.reader import Reader
+from twin.logs.readers.parquet_table import read_parquet
 from twin.logs.setup_block import setup_from
 from twin.streams import COLUMNS, Setup, Streams, Table
 
@@ -27,10 +26,8 @@ class RunFolder(Reader):
         """Any directory."""
         return path.is_dir()
 
-    def read(self, path: Path, column_map: ColumnMap | None) -> Log:
+    def whole(self, path: Path) -> Log:
         """Its streams and set-up. Raises BadInput if it is malformed."""
-        if column_map is not None:
-            raise BadInput("a run folder names its own columns; leave the column map out")
         folder = path / "streams" if (path / "streams").is_dir() else path
         setup_json = folder / "setup.json"
         if not setup_json.is_file():
@@ -60,7 +57,7 @@ def _table(path: Path, streams: Sequence[str]) -> Table:
         raise BadInput(f"{path.name}: {UnknownName('stream', path.stem, streams)}")
     table: Table = {}
     for column, cells in read_parquet(path).items():
-        if isinstance(cells, list) or cells.dtype.kind not in "iuf":
+        if isinstance(cells, Text) or cells.dtype.kind not in "iuf":
             raise BadInput(f"{path.name}: column {quoted(column)} does not hold numbers")
         if cells.dtype.kind == "f" and np.any(np.abs(cells) > LARGEST):
             raise BadInput(f"{path.name}: column {quoted(column)} holds a value beyond {LARGEST:g}")

@@ -5,16 +5,24 @@ from __future__ import annotations
 from pathlib import Path
 
 from twin.errors import BadInput, UnknownName
-from twin.logs.csv_table import Csv
-from twin.logs.nmea_log import Nmea
-from twin.logs.parquet_table import Parquet
 from twin.logs.reader import Reader
-from twin.logs.run_folder import RunFolder
+from twin.logs.readers.can_bus import Can
+from twin.logs.readers.csv_table import Csv
+from twin.logs.readers.mat_table import Mat
+from twin.logs.readers.nmea import Nmea
+from twin.logs.readers.parquet_table import Parquet
+from twin.logs.readers.ros_bag import Bag
+from twin.logs.readers.run_folder import RunFolder
+from twin.logs.readers.ubx import Ubx
 from twin.plugins.lookup import attribute, instance
 
 READERS: dict[str, Reader] = {
+    "bag": Bag(),
     "run-folder": RunFolder(),
     "parquet": Parquet(),
+    "mat": Mat(),
+    "ubx": Ubx(),
+    "can": Can(),
     "nmea": Nmea(),
     "csv": Csv(),
 }

@@ -1,0 +1,153 @@
+"""What does not agree is said: units, signs, columns, values that are no new measurements."""
+
+import numpy as np
+import pytest
+from drives import MAP, SLIP, drive, mapped, written
+
+from twin.errors import BadInput
+from twin.logs import paired_speeds, read
+
+IMU = '[imu]\ngyro_z = {column = "yaw", unit = "rad/s"}\n'
+
+
+def notes(tmp_path, columns, text=MAP):
+    return " ".join(read(written(tmp_path, columns), mapped(tmp_path, text)).notes)
+
+
+def test_a_drive_that_agrees_says_nothing(tmp_path):
+    said = notes(tmp_path, drive(), MAP + IMU)
+    assert said.startswith("setup: assumed track_front_m = ")
+    assert said.endswith("imu.accel_bias_sd_mps2 = 0.1")
+
+
+@pytest.mark.parametrize(
+    ("column", "factor", "says"),
+    [
+        ("v", 1.0 / 0.514444, "kn taken for m/s"),
+        ("v", 0.44704, "positions and velocity disagree"),
+        ("wheel", 1.0 / 1.609344, "mph taken for km/h"),
+        ("wheel", 1.4, "median slip of the raw speeds is +0.3"),
+        ("t", 1e-3, "s taken for ms"),
+        ("t", 60.0, "positions and velocity disagree"),
+        ("yaw", -1.0, "gyro_z turns -1 times as far"),
+        ("yaw", 57.3, "gyro_z turns 57.3 times as far"),
+    ],
+)
+def test_a_wrong_unit_or_sign(tmp_path, column, factor, says):
+    columns = drive()
+    columns[column] = columns[column] * factor
+    if column == "v":
+        columns["wheel"] = columns["wheel"] * factor
+    assert says in notes(tmp_path, columns, MAP + IMU)
+
+
+def test_swapped_columns_and_conventions(tmp_path):
+    columns = drive()
+    swapped = {**columns, "lat": columns["lon"], "lon": columns["lat"]}
+    assert "are latitude and longitude swapped" in notes(tmp_path, swapped)
+    east = MAP.replace('"course", unit = "deg"', '"course", unit = "deg", convention = "east"')
+    assert "disagree in direction" in notes(tmp_path, columns, east)
+    off = {**columns, "head": np.mod(columns["course"] + 90.0, 360.0)}
+    text = MAP.replace("course =", 'heading = {column = "head", unit = "deg"}\ncourse =')
+    assert "heading and course are 90 deg apart" in notes(tmp_path, off, text)
+    assert "apart" not in notes(
+        tmp_path, off, text + "[setup.gnss]\nheading_mount_rad = -1.5707963\n"
+    )
+
+
+@pytest.mark.parametrize(("ratio", "noted"), [(4, True), (10, True), (1, False)])
+def test_a_slow_source_in_a_fast_table(tmp_path, ratio, noted):
+    columns = drive(rate_hz=20.0)
+    held = np.arange(2400) // ratio * ratio
+    for name in ("lat", "lon", "v", "course"):
+        columns[name] = columns[name][held]
+    log = read(written(tmp_path, columns), mapped(tmp_path))
+    assert any("carried forward" in note for note in log.notes) == noted
+    assert len(log.streams["gnss"]["epoch_ns"]) == 2400 // ratio
+
+
+def test_a_coarse_value_is_not_taken_for_one_carried_forward(tmp_path):
+    columns = drive(rate_hz=20.0)
+    ramp = np.arange(2400) // 8 * 0.01
+    columns = {"t": columns["t"], "v": ramp, "wheel": 3.6 * ramp / (1 - SLIP)}
+    text = "\n".join(
+        line for line in MAP.splitlines() if not line.startswith(("lat", "lon", "cou"))
+    )
+    log = read(written(tmp_path, columns), mapped(tmp_path, text))
+    assert len(log.streams["gnss"]["epoch_ns"]) == 2400
+
+
+@pytest.mark.parametrize("bits", [8, 10, 12, 16, 20])
+@pytest.mark.parametrize("signed", [False, True])
+def test_counters_of_any_size_wrap(tmp_path, bits, signed):
+    columns = drive(rate_hz=20.0)
+    turns = np.cumsum(columns["wheel"] / 3.6) / 20.0 / (2 * np.pi * 0.8)
+    counts = np.round(turns * (60 if bits == 8 else 720 if bits < 16 else 200_000)).astype(int)
+    size = 2**bits
+    wrapped = (counts + 77) % size
+    columns["n"] = np.where(wrapped >= size // 2, wrapped - size, wrapped) if signed else wrapped
+    text = MAP.replace('driven_speed = {column = "wheel", unit = "km/h"}',
+                       'ticks_rl = {column = "n", unit = "1"}')  # fmt: skip
+    log = read(written(tmp_path, columns), mapped(tmp_path, text))
+    found = log.streams["wheels"]["ticks_rl"]
+    np.testing.assert_array_equal(np.diff(found), np.diff(counts))
+    assert any(f"a counter of {bits} bits unwrapped" in note for note in log.notes)
+
+
+def test_a_counter_that_begins_anew_and_one_wrong_count(tmp_path):
+    columns = drive(rate_hz=20.0)
+    counts = np.cumsum(np.round(columns["wheel"])).astype(int)
+    counts[1000:] -= counts[1000]
+    counts[500] = 60_000_000
+    columns["n"] = counts
+    text = MAP.replace('driven_speed = {column = "wheel", unit = "km/h"}',
+                       'ticks_rl = {column = "n", unit = "counts"}')  # fmt: skip
+    log = read(written(tmp_path, columns), mapped(tmp_path, text))
+    step = np.diff(log.streams["wheels"]["ticks_rl"])
+    assert len(step) == 2398
+    assert step.min() >= 0
+    assert step.max() < 30
+    said = " ".join(log.notes)
+    assert "begins anew 1 times" in said
+    assert "a single count far from its neighbours" in said
+    assert "counts_per_turn" in said
+
+
+def test_wheels_below_their_cut_off_are_unknown(tmp_path):
+    columns = drive()
+    columns["wheel"] = np.where(columns["wheel"] < 6.0, 0.0, columns["wheel"])
+    log = read(written(tmp_path, columns), mapped(tmp_path))
+    ground, wheel = paired_speeds(log.streams)
+    assert np.all(wheel > 0.0)
+    assert any("below the sensor's cut-off" in note for note in log.notes)
+    assert np.nanmedian(1.0 - ground / wheel) == pytest.approx(SLIP, abs=0.005)
+
+
+def test_speeds_that_are_not_of_one_machine_are_refused(tmp_path):
+    columns = drive()
+    columns["wheel"] = columns["wheel"] * 3.6
+    with pytest.raises(BadInput, match="is one of the units wrong"):
+        read(written(tmp_path, columns), mapped(tmp_path))
+
+
+@pytest.mark.parametrize("column", ["v", "wheel", "lat"])
+@pytest.mark.parametrize("at", [0, 1, 300, 598, 599])
+def test_a_spike_is_left_out(tmp_path, column, at):
+    columns = drive()
+    columns[column][at] *= 1.0001 if column == "lat" else 4.0
+    log = read(written(tmp_path, columns), mapped(tmp_path))
+    assert any("far from its neighbours" in n or "no tractor's speed" in n for n in log.notes)
+    ground, wheel = paired_speeds(log.streams)
+    slip = 1.0 - ground / wheel
+    assert np.nanmax(np.abs(slip - SLIP)) < 0.15
+
+
+def test_a_speed_without_a_direction_gives_slip(tmp_path):
+    columns = drive()
+    text = "\n".join(
+        line for line in MAP.splitlines() if not line.startswith(("lat", "lon", "cou"))
+    )
+    log = read(written(tmp_path, columns), mapped(tmp_path, text))
+    ground, wheel = paired_speeds(log.streams)
+    assert np.nanmedian(1.0 - ground / wheel) == pytest.approx(SLIP, abs=0.005)
+    assert any("stands along east" in note for note in log.notes)

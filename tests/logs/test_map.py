@@ -1,0 +1,111 @@
+"""A first map of logs that nobody has described."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from drives import SLIP, drive, written
+
+from twin import cli
+from twin.logs import found_in, paired_speeds, read
+from twin.logs.mapping.guess import guesses
+from twin.logs.mapping.names import quantity_of, unit_of
+from twin.logs.units import UNITS
+
+DATA = Path(__file__).parents[3] / "shared" / "data"
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity"),
+    [
+        ("Latitude [deg]", "gnss.latitude"), ("lon", "gnss.longitude"), ("GPS_Speed", "gnss.speed"),
+        ("SOG (kn)", "gnss.speed"), ("WheelBasedVehicleSpeed", "wheels.driven_speed"),
+        ("wheel_speed_rl", "wheels.speed_rl"), ("Rear right wheel speed", "wheels.speed_rr"),
+        ("Motordrehzahl", "machine.engine_speed"), ("engine_speed_rpm", "machine.engine_speed"),
+        ("RPM", "machine.engine_speed"),
+        ("Fuel rate [l/h]", "machine.fuel_rate"), ("YawRate", "imu.gyro_z"), ("gz", "imu.gyro_z"),
+        ("heading_deg", "gnss.heading"), ("COG", "gnss.course"), ("AccX", "imu.accel_x"),
+        ("draft_kN", "machine.draft_pin"), ("Zugkraft", "machine.draft_pin"),
+        ("ticks_rl", "wheels.ticks_rl"), ("reference_sideslip_deg", "reference.sideslip_angle"),
+        ("east_m", "gnss.east"), ("temperature", ""), ("battery_V", ""),
+        ("satellites", "gnss.satellites"),
+    ],
+)  # fmt: skip
+def test_names(name, quantity):
+    assert quantity_of(name) == quantity
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "unit"),
+    [
+        ("speed_kmh", "speed", "km/h"), ("Speed [m/s]", "speed", "m/s"), ("v_mps", "speed", "m/s"),
+        ("sog (knots)", "speed", "kn"), ("yaw_rate_dps", "angular rate", "deg/s"),
+        ("draft_kN", "force", "kN"), ("draft [N]", "force", "N"), ("load_pct", "ratio", "%"),
+        ("heading", "angle", ""),
+    ],
+)  # fmt: skip
+def test_units_of_names(name, kind, unit):
+    assert unit_of(name, tuple(UNITS[kind])) == unit
+
+
+def mapped(tmp_path, path):
+    out = tmp_path / "made.toml"
+    assert cli.main(["map", str(path), "--out", str(out), "--quiet"]) == 0
+    return read(path, out), out.read_text()
+
+
+@pytest.mark.parametrize(
+    ("factors", "unit"),
+    [({"v": 3.6}, "km/h"), ({"v": 1 / 0.44704}, "mph"), ({"v": 1.0}, "m/s")],
+)
+def test_units_that_no_name_says_come_of_the_positions(tmp_path, factors, unit):
+    columns = drive()
+    for name, factor in factors.items():
+        columns[name] = columns[name] * factor
+    columns["wheel"] = columns["wheel"] / 3.6
+    log, text = mapped(tmp_path, written(tmp_path, columns))
+    assert f'speed = {{column = "v", unit = "{unit}"}}' in text
+    ground, wheel = paired_speeds(log.streams)
+    assert np.nanmedian(1.0 - ground / wheel) == pytest.approx(SLIP, abs=0.005)
+
+
+def test_senses_of_angles_and_rates_come_of_the_track(tmp_path):
+    columns = drive(rate_hz=10.0)
+    columns["heading"] = np.angle(np.exp(1j * np.radians(90.0 - columns.pop("course"))))
+    columns["yaw_rate"] = np.degrees(-columns.pop("yaw"))
+    _, text = mapped(tmp_path, written(tmp_path, columns))
+    assert 'heading = {column = "heading", unit = "rad", convention = "east"}' in text
+    assert 'gyro_z = {column = "yaw_rate", unit = "deg/s", sign = -1}  # ?' in text
+
+
+@pytest.mark.parametrize(
+    ("start", "step", "unit"),
+    [(0.0, 0.2, "s"), (0, 200, "ms"), (1.7e9, 0.2, "s"), (1.7e12, 200, "ms"), (1.7e15, 2e5, "us")],
+)
+def test_the_unit_of_time(tmp_path, start, step, unit):
+    columns = drive()
+    columns["t"] = start + step * np.arange(600)
+    if unit != "s":
+        columns["t"] = columns["t"].astype(np.int64).astype(str).astype(object)
+    assert guesses(found_in(written(tmp_path, columns))).time.unit == unit
+
+
+@pytest.mark.skipif(not DATA.exists(), reason="the logs are not beside the checkout")
+@pytest.mark.parametrize("name", ["t7165s_field.csv", "jd5055e_bus.candump"])
+def test_real_logs_run_with_the_first_map(tmp_path, name):
+    log, text = mapped(tmp_path, DATA / name)
+    assert "# ?" not in text.partition("\n")[2]
+    assert "wheels" in log.streams
+
+
+def test_the_list_and_refusals(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = written(tmp_path, drive())
+    assert cli.main(["map", str(path)]) == 0
+    out = capsys.readouterr().out
+    assert "gnss.latitude [deg]" in out
+    assert "log.toml: " in out
+    assert cli.main(["map", str(path)]) == 2
+    assert "log.toml exists" in capsys.readouterr().err
+    assert cli.main(["map", "none.csv", "--out", "x.toml"]) == 2
+    assert not (tmp_path / "x.toml").exists()

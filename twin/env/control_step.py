@@ -1,0 +1,103 @@
+"""The compiled part of a control step of many tractors: actions in, controls out, and a look after.
+
+A tractor alone costs as much as the calls that are made for it, so there are few of them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.compute.compiled import law
+from twin.simulation.decision import decide, observe
+from twin.simulation.records import Records
+
+Array = NDArray[np.float64]
+Places = NDArray[np.int64]
+
+
+@law
+def bounded(actions: Array) -> bool:
+    """Take the bound for what is outside [-1, 1], in place; whether all were finite."""
+    finite = True
+    for i in range(actions.shape[0]):
+        for j in range(actions.shape[1]):
+            value = actions[i, j]
+            finite &= math.isfinite(value)
+            actions[i, j] = min(max(value, -1.0), 1.0)
+    return finite
+
+
+@law
+def control(
+    work_rad: Array,
+    tasks: Records,
+    drivetrain: Records,
+    seen: Records,
+    drivers: Records,
+    pedals: Records,
+    qpos: Array,
+    qvel: Array,
+    userdata: Array,
+    world_from_ground: Array,
+    links: int,
+    engine: int,
+    engine_radps: Array,
+    controls: Array,
+    chosen: Places,
+    actuators: Places,
+    ctrl: Array,
+    dt_s: float,
+) -> None:
+    """Observe, decide, and set the controls of all; see `twin.simulation.decision`.
+
+    Args:
+        work_rad: angle of the lower links that the actions ask for (nsim,).
+        tasks, drivetrain, seen, drivers, pedals, controls: as `decide` has them.
+        qpos, userdata, world_from_ground, links: as `observe` has them.
+        qvel: velocities (nsim, nv), that of the `engine`'s shaft among them.
+        engine: where that is.
+        engine_radps: written, the engines' speeds (nsim,).
+        chosen, actuators: which of the controls go to which actuators.
+        ctrl: written, the actuators' controls (nsim, nu).
+        dt_s: the interval.
+    """
+    observe(qpos, userdata, world_from_ground, links, seen)
+    ratio = drivetrain[0].gear_ratio
+    for i in range(len(tasks)):
+        tasks[i].work_rad = work_rad[i]
+        engine_radps[i] = ratio * qvel[i, engine]
+    decide(tasks, drivetrain, seen, engine_radps, drivers, pedals, controls, dt_s)
+    for i in range(len(tasks)):
+        for k in range(len(chosen)):
+            ctrl[i, actuators[k]] = controls[i, chosen[k]]
+
+
+@law
+def moved(
+    state: Array, warned: NDArray[np.int64], velocity: Array, standing_s: Array, dt_s: float,
+    slow_mps: float,
+) -> bool:  # fmt: skip
+    """Count how long each has stood; whether all went well, as `Simulation.refuse_failure` asks.
+
+    Args:
+        state: the machines' states (nsim, nstate).
+        warned: how often MuJoCo warned (nsim, kinds).
+        velocity: of the rear axle (3, nsim) [m/s].
+        standing_s: read and written (nsim,).
+        dt_s: the interval.
+        slow_mps: below this a tractor stands.
+    """
+    squares = 0.0
+    for i in range(state.shape[0]):
+        for k in range(state.shape[1]):
+            squares += state[i, k] * state[i, k]
+        for k in range(warned.shape[1]):
+            if warned[i, k]:
+                return False
+        x, y, z = velocity[0, i], velocity[1, i], velocity[2, i]
+        slow = math.sqrt(x * x + y * y + z * z) < slow_mps
+        standing_s[i] = standing_s[i] + dt_s if slow else 0.0
+    return math.isfinite(squares)

@@ -1,0 +1,1 @@
+"""What a log shows of its own faults: values that cannot be, and quantities that disagree."""

@@ -1,0 +1,1 @@
+"""What finds named signals in a file, one module for each kind of file."""

@@ -1,0 +1,85 @@
+"""A recorded drive in numbers, as they go into scores.json: by activity, by hectare, by stretch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+
+import numpy as np
+
+from twin.io.plain import Plain
+from twin.logs.activity import WORKING, Activity, activity
+from twin.logs.job import Implement
+from twin.logs.summary import area, highest_slip, shares
+from twin.logs.timeline import SECOND_NS, timeline
+from twin.streams import Array, Streams, Table
+
+
+def findings(
+    streams: Streams,
+    estimates: Mapping[str, Table],
+    implement: Implement | None,
+    no_work_ns: Sequence[tuple[int, int]] = (),
+) -> dict[str, Plain]:
+    """What was driven, with the slip of the first estimator that gives one.
+
+    Args:
+        streams: what was measured.
+        estimates: by estimator.
+        implement: what the map says of it.
+        no_work_ns: first and last instants of what is known to be no work.
+
+    Returns:
+        drive: estimator, start and span, the rule of the activities, their shares, the area, the
+            stretches with the highest slip; None where nothing was measured.
+        work_slip: estimator -> spread of its slip at work; absent where no work was found.
+    """
+    shown = shown_estimator(estimates)
+    rows = timeline(streams, estimates.get(shown or ""))
+    if not len(rows["epoch_ns"]):
+        return {"drive": None}
+    done = activity(rows, no_work_ns)
+    width_m = None if implement is None else implement.width_m
+    took = None if width_m is None else area(rows, done, width_m)
+    start_ns = int(rows["epoch_ns"][0]) - SECOND_NS // 2
+    found: dict[str, Plain] = {
+        "drive": {
+            "estimator": shown,
+            "start_ns": start_ns,
+            "span_s": float(rows["epoch_ns"][-1] - start_ns) * 1e-9 + 0.5,
+            "rule": done.rule,
+            "shares": [asdict(share) for share in shares(rows, done)],
+            "width_m": width_m,
+            "implement": None if implement is None else implement.name,
+            "area": None if took is None else asdict(took),
+            "high": [asdict(stretch) for stretch in highest_slip(rows, done)],
+        }
+    }
+    if done[WORKING].any():
+        found["work_slip"] = {
+            name: spread(slip_at_work(table, rows, done)) for name, table in estimates.items()
+        }
+    return found
+
+
+def shown_estimator(estimates: Mapping[str, Table]) -> str | None:
+    """The first estimator that gives a slip anywhere; None where none does."""
+    giving = (n for n, t in estimates.items() if "slip" in t and np.isfinite(t["slip"]).any())
+    return next(giving, None)
+
+
+def slip_at_work(estimate: Table, rows: Table, done: Activity) -> Array:
+    """The slips of an estimate in the seconds of work."""
+    if "slip" not in estimate:
+        return np.empty(0)
+    seconds = rows["epoch_ns"][done[WORKING]] // SECOND_NS
+    return np.asarray(estimate["slip"])[np.isin(estimate["epoch_ns"] // SECOND_NS, seconds)]
+
+
+def spread(slip: Array) -> dict[str, float | int | None]:
+    """Median, 5 % and 95 % of the known slips."""
+    known = slip[np.isfinite(slip)]
+    if not len(known):
+        return {"median": None, "p05": None, "p95": None, "n": 0}
+    p05, median, p95 = (float(q) for q in np.quantile(known, (0.05, 0.5, 0.95)))
+    return {"median": median, "p05": p05, "p95": p95, "n": len(known)}
