@@ -19,9 +19,9 @@ import estimators
 import scenarios
 import twin
 from scenarios.ima_pkf import Trial
-from twin.machine.files import model_path
 from twin.pipeline import named as registry
-from twin.scenario import MACHINES, Scenario
+from twin.scenario import Scenario
+from twin.vehicle import files
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = (twin, scenarios, estimators)
@@ -54,11 +54,19 @@ def test_every_registered_scenario_loads_under_its_name(name: str) -> None:
     assert scenario.name == name
 
 
-@pytest.mark.parametrize(
-    "name", sorted({*MACHINES, *(p.parent.name for p in ROOT.glob("models/*/*.xml"))})
-)
-def test_every_model_is_found(name: str) -> None:
-    assert model_path(name).samefile(ROOT / "models" / name / f"{name}.xml")
+def test_every_file_of_the_models_is_found_by_its_name() -> None:
+    assert files.models_folder().samefile(ROOT / "models")
+    names = {p.stem for p in ROOT.glob("models/catalogue/*.toml")}
+    assert {files.machine(name).name for name in files.machine_names()} == names
+    tools = {p.stem for p in ROOT.glob("models/implements/*.toml")} | {"none"}
+    assert {files.implement(name).name for name in files.implement_names()} == tools
+
+
+@pytest.mark.parametrize("name", ["taishan_1404a", "electric_tractor"])
+def test_a_hand_made_model_is_found_behind_its_file(name: str) -> None:
+    path = files.mjcf_path(files.machine(name))
+    assert path is not None
+    assert path.samefile(ROOT / "models" / name / f"{name}.xml")
 
 
 def test_every_console_script_leads_to_a_function() -> None:

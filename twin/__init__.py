@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from twin.scenario import Soil as Soil
     from twin.sensors import Sensors as Sensors
     from twin.studies.study import study as study
+    from twin.vehicle import Implement as Implement
+    from twin.vehicle import Machine as Machine
 
 _HOME = {
     "load": "twin.pipeline.public",
@@ -45,13 +47,15 @@ _HOME = {
     "Drive": "twin.scenario",
     "Course": "twin.scenario",
     "Sensors": "twin.sensors",
+    "Machine": "twin.vehicle",
+    "Implement": "twin.vehicle",
 }
 """Public name -> the module that defines it."""
 _MODULES = ("errors", "testing")
 
 __all__ = [
-    "Course", "Drive", "Estimator", "Field", "Plough", "Result", "Scenario", "Sensors", "Soil",
-    "errors", "estimate", "load", "run", "study", "testing",
+    "Course", "Drive", "Estimator", "Field", "Implement", "Machine", "Plough", "Result", "Scenario",
+    "Sensors", "Soil", "errors", "estimate", "load", "run", "study", "testing",
 ]  # fmt: skip
 
 

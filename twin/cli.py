@@ -16,7 +16,7 @@ from twin.compute.waiting import told_of_compiling
 from twin.errors import BadInput, NoSpace, TwinError, UnknownName
 
 COMMANDS: dict[str, tuple[str, str]] = {
-    "list": ("twin.commands.list", "list scenarios, machines, soils and estimators"),
+    "list": ("twin.commands.list", "list scenarios, machines, implements, soils, estimators"),
     "run": (
         "twin.commands.run",
         "NAME: simulate a scenario, run and score estimators, write a run folder",
@@ -38,6 +38,10 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "compare-controllers": (
         "twin.commands.compare_controllers",
         "compare slip controllers and saved policies on held-out grounds",
+    ),
+    "machine": (
+        "twin.commands.machine",
+        "show | check | export: a machine or an implement, every number with its grade",
     ),
     "view": ("twin.commands.view", "DIR: open the recording of a run folder"),
     "bench": ("twin.commands.bench", "measure speed and memory on this machine"),

@@ -124,6 +124,17 @@ class ImuSetup:
     who made the log, took it out."""
 
 
+ZERO_SLIPS = {
+    "law": "the soil law's own slip",
+    "hard-torque": "no torque on a hard surface",
+    "hard-pull": "no pull on a hard surface",
+    "field-torque": "no torque on the field",
+    "field-pull": "no pull on the field",
+    "unknown": "not stated",
+}
+"""Where slip is zero: the soil law's own zero, or a zero condition of ASABE S296."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class WheelsSetup:
     """Encoders: counts per turn after decoding, and the nominal rolling radius of each wheel."""
@@ -133,6 +144,8 @@ class WheelsSetup:
     """Nominal rolling radius by wheel; what the manual says, not what is true today."""
     counts_per_turn: int | None = None
     """None for a source that gives speeds."""
+    zero_slip: str = "unknown"
+    """Where slip by these radii is zero, one of ZERO_SLIPS."""
 
 
 @dataclass(frozen=True, kw_only=True)

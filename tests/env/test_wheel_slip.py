@@ -14,10 +14,12 @@ from twin.env.observations import (
     TORQUE_TRUTH,
 )  # fmt: skip
 from twin.env.reward import PULLING
-from twin.env.torque_fleet import draft_n
+from twin.env.torque_fleet import Pulled, draft_n
 from twin.env.wheel_slip import WheelSlipEnv
 from twin.errors import BadInput, UnknownName
+from twin.vehicle import files
 
+PULLED = Pulled.of(files.implement("cultivator_light"))
 LEVEL = {"field.cross_slope_deg": 0.0, "field.grade_deg": 0.0, "field.patches": ()}
 DRY = {"soil.preset": "dry", "soil.friction": 0.88, "soil.cone_index_kpa": 1200.0}
 
@@ -49,14 +51,14 @@ def test_steady_pull_is_the_draft_and_more_torque_is_more_slip(pulling):
     assert 0.02 < low["slip"] < high["slip"] < 0.2
     for info in (low, high):
         scale = 0.70 * np.array([0.8, 1.2])
-        bounds = draft_n(scale, np.full(2, info["speed_mps"]))
+        bounds = draft_n(scale, np.full(2, info["speed_mps"]), PULLED)
         assert bounds[0] <= info["draft_n"] <= bounds[1]
         assert 0.4 < info["traction_efficiency"] < 0.9
 
 
 def test_draft_resists_the_motion_and_holds_nothing_at_rest():
     np.testing.assert_allclose(
-        draft_n(np.full(4, 0.5), np.array([1.0, -1.0, 0.05, 0.0])),
+        draft_n(np.full(4, 0.5), np.array([1.0, -1.0, 0.05, 0.0]), PULLED),
         [105.0, -105.0, 0.5 * (80.0 + 130.0 * 0.0025) * 0.5, 0.0],
     )
 

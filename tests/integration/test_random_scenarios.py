@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from twin.errors import TwinError
-from twin.scenario import MACHINES, Course, Drive, Field, Patch, Plough, Scenario, Soil
+from twin.scenario import Course, Drive, Field, Patch, Plough, Scenario, Soil
 from twin.scenario.course import LEAST_APPROACH_M
 from twin.scenario.field import MOST_PATCHES, ROUGHNESS
 from twin.scenario.plough import FURROW_SIDES, HITCH_MODES
@@ -25,6 +25,7 @@ from twin.scenario.soils import LAWS, PRESETS
 from twin.simulation.build import build
 from twin.simulation.guard import Diverged
 from twin.simulation.simulate import simulate
+from twin.vehicle import files
 
 COUNT = int(os.environ.get("RANDOM_SCENARIOS", "20"))
 SEED = int(os.environ.get("RANDOM_SEED", "0"))
@@ -61,7 +62,7 @@ RANGES = {
     },
     Drive: {
         "gear_ratio": (15.0, 300.0), "engine_set_rpm": (900.0, 2400.0), "all_wheel_drive": FLAG,
-        "differential_lock": FLAG, "exhaust_brake": FLAG,
+        "differential_lock": FLAG, "exhaust_brake": FLAG, "gear_kmh": None,
     },
     Course: {
         "approach_m": (0.0, 20.0), "length_m": (1.0, 5000.0), "heading_deg": (-180.0, 180.0),
@@ -69,9 +70,13 @@ RANGES = {
         "passes": (1, 100), "calibration_m": None,
     },
     Scenario: {
-        "machine": tuple(MACHINES), "soil": Soil, "field": Field, "plough": Plough,
+        "machine": ("taishan_1404a", "electric_tractor"), "soil": Soil, "field": Field,
+        "plough": Plough,
         "drive": Drive, "course": Course, "timestep_s": STEPS_S, "seed": None,
         "name": None, "about": None, "sensors": None,  # the machine knows nothing of these
+        "implement": None,  # drawn with the machine, below
+        "zero_slip": ("law", "hard-torque", "hard-pull", "field-torque", "field-pull"),
+        "machine_numbers": None, "implement_numbers": None,  # kept of files
     },
 }  # fmt: skip
 """Every field with its choices (tuple of names or flags), or its range (two floats). Places are
@@ -79,6 +84,8 @@ drawn where five seconds can reach them."""
 HITCHED = tuple(RANGES[Plough])[4:]
 """How the hitch is set, drawn from a stream of its own."""
 MAY_FOLLOW_PRESET = tuple(f.name for f in dataclasses.fields(Soil) if f.default is None)
+OTHERS = tuple(n for n in files.machine_names() if n not in RANGES[Scenario]["machine"])
+TOOLS = ("plough_2", "plough_6", "chisel_3m", "subsoiler_3", "cultivator_3m")
 EDGE_SHARE = 0.15
 """Share of numbers drawn at an end of their range."""
 
@@ -146,6 +153,14 @@ def scenario(seed):
     if machine == "electric_tractor":
         course["edge_m"] = drawn(rng, (0.5, 100.0)) if rng.random() < 0.3 else None
         drive["engine_set_rpm"] = drawn(rng, (300.0, 3000.0))
+    implement = None
+    if machine != "electric_tractor" and own.random() < 0.4:
+        machine = OTHERS[own.integers(len(OTHERS))]
+        drive |= {"gear_ratio": None, "engine_set_rpm": None, "all_wheel_drive": False}
+        drive["gear_kmh"] = drawn(own, (2.0, 15.0))
+    if ploughs and own.random() < 0.4:
+        implement = TOOLS[own.integers(len(TOOLS))]
+        hitched["deepest_m"] = None
     field = simple(rng, Field)
     if rng.random() < 0.5:
         field["other_share"] = 0.0
@@ -156,6 +171,7 @@ def scenario(seed):
     return Scenario(
         name=f"random-{seed}",
         machine=machine,
+        implement=implement,
         soil=ground,
         field=Field(**field, patches=patches, other_soil=soil(rng)),
         plough=Plough(**simple(rng, Plough, HITCHED) | hitched) if ploughs else None,
@@ -205,7 +221,17 @@ def test_a_random_scenario_drives_or_is_refused_by_name():
     print(Counter(end.split(":")[0] for end in ends.values()))
     failed = {seed: end for seed, end in ends.items() if end.startswith("failed")}
     assert not failed
-    parts = ("soil", "field", "plough", "drive", "course", "patch", "machine", "timestep_s")
+    parts = (
+        "soil",
+        "field",
+        "plough",
+        "drive",
+        "course",
+        "patch",
+        "machine",
+        "implement",
+        "timestep_s",
+    )
     refused = [end for end in ends.values() if end.startswith("refused")]
     assert all(any(part in end for part in parts) for end in refused)
     assert sum(end == "driven" for end in ends.values()) > COUNT // 2

@@ -23,6 +23,8 @@ from twin.physics.plough import (
 UP = (0.0, 0.0, 1.0)
 STIFFNESS_NPM = 500e3
 DRAFT_N, SIDE_N = 6e3, 0.25 * 6e3
+RATIOS = (0.2, 0.25)
+"""Of the vertical and the side force over the draft."""
 
 
 @pytest.mark.parametrize(
@@ -51,7 +53,7 @@ def steady(velocity, draft=DRAFT_N, dt_s=0.002):
 
 
 def force_of(velocity, draft=DRAFT_N):
-    return share_force(plough(), draft, steady(velocity, draft), (*velocity, 0.0))
+    return share_force(plough(), draft, RATIOS, steady(velocity, draft), (*velocity, 0.0))
 
 
 def test_a_share_is_pulled_back_and_down_by_the_ratios_and_its_side_force_is_borne():
@@ -90,7 +92,9 @@ def test_soil_forces_oppose_motion_in_every_direction():
     rng = np.random.default_rng(0)
     for _ in range(300):
         velocity = rng.normal(size=3) * (1.0, 1.0, 3.0)
-        force, _ = share_force(plough(), DRAFT_N, steady(tuple(velocity[:2])), tuple(velocity))
+        force, _ = share_force(
+            plough(), DRAFT_N, RATIOS, steady(tuple(velocity[:2])), tuple(velocity)
+        )
         assert np.dot(force, velocity) <= 0.0
 
 
@@ -114,7 +118,7 @@ def test_the_side_force_is_balanced_by_the_landside_and_restores():
 
 
 def test_a_plough_that_has_not_moved_is_not_pulled_at_all():
-    force, landside = share_force(plough(), DRAFT_N, (0.0, 0.0), (0.0, 0.0, 0.0))
+    force, landside = share_force(plough(), DRAFT_N, RATIOS, (0.0, 0.0), (0.0, 0.0, 0.0))
     assert np.all(np.array(force) == 0.0)
     assert landside == 0.0
 

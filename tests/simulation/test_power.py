@@ -183,8 +183,8 @@ def test_a_stalled_engine_stays_dead_in_the_machine():
     data, model = start(machine), machine.model
     shaft = int(model.joint("drive").dofadr[0])
     for rpm, lives in ((250.0, False), (900.0, True)):
-        data.qvel[shaft] = rpm * np.pi / 30.0 / machine.scenario.drive.gear_ratio
+        data.qvel[shaft] = rpm * np.pi / 30.0 / machine.scenario.gear.ratio
         set_controls(machine, data, throttle=1.0, clutch_pedal=1.0)
         mujoco.mj_step(model, data, 2500)
-        turning = machine.scenario.drive.gear_ratio * data.qvel[shaft] * 30.0 / np.pi
+        turning = machine.scenario.gear.ratio * data.qvel[shaft] * 30.0 / np.pi
         assert (turning > 2000.0) if lives else (abs(turning) < 5.0)

@@ -23,11 +23,12 @@ import mujoco
 from twin import sensors
 from twin.camera.tracking import ODOMETRY
 from twin.env import speed
+from twin.errors import BadInput
 from twin.io import run_folder as runfolder
 from twin.io.result_rows import Rows, row
 from twin.machine.build import Machine
-from twin.machine.files import model_path
 from twin.machine.geometry import geometry
+from twin.machine.join import joined
 from twin.pipeline.named import load
 from twin.pipeline.result import Result
 from twin.pipeline.run import run, sense
@@ -39,6 +40,8 @@ from twin.simulation.simulation import Simulation
 from twin.streams import Streams
 
 STRETCHES, STEPS = 60, 200
+MOST_DECISIONS = 3000
+"""Decisions of the driver, a minute, within which a plough must be at its depth."""
 NO_SENSORS = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
 
 
@@ -48,17 +51,17 @@ def rows() -> Rows:
     return [*own, *speed.rows(), *ima_pkf_speed.rows()]
 
 
-def step_rows() -> Rows:
+def step_rows(machine: str = Scenario.machine) -> Rows:
     """Time of a step while ploughing, against MuJoCo's own contacts, and of what adds to it."""
-    rough = load("scenario", "plough-25cm")
+    rough = replace(load("scenario", "plough-25cm"), machine=machine)
     grounds = {
         "rough": rough,
         "plane": replace(rough, field=Field()),
-        "soil map": load("scenario", "plough-patchy"),
+        "soil map": replace(load("scenario", "plough-patchy"), machine=machine),
         "bekker": replace(rough, soil=Soil(preset="lete-sand", law="bekker")),
         "brixius": replace(rough, soil=Soil(preset="lete-sand", cone_index_kpa=1200.0)),
     }
-    cases = [*(_ploughing(scenario) for scenario in grounds.values()), _native()]
+    cases = [*(_ploughing(scenario) for scenario in grounds.values()), _native(rough)]
     times = _best(*(partial(mujoco.mj_step, *case, STEPS) for case in cases))
     own_us, plane_us, map_us, bekker_us, brixius_us, native_us = times
     case = "physics step, ploughing, sensors off"
@@ -75,24 +78,34 @@ def step_rows() -> Rows:
 def _ploughing(scenario: Scenario) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """A ploughing machine at its depth, sensors off."""
     simulation = Simulation(build(scenario))
-    while simulation.seen["depth_m"][0] < 0.24:
+    for _ in range(MOST_DECISIONS):
+        if simulation.seen["depth_m"][0] >= 0.24:
+            break
         simulation.advance()
+    else:
+        raise BadInput(f"{scenario.facts.name} does not bring its implement to 24 cm")
     model = simulation.batch.get_model(0)
     model.opt.disableflags = NO_SENSORS
     return model, simulation.batch.get_data(0)
 
 
-def _native() -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """The machine's scene as it stands in plain MuJoCo, settled, then rolling at 1.5 m/s."""
-    spec = mujoco.MjSpec.from_file(str(model_path("taishan_1404a").parent / "scene.xml"))
+def _native(scenario: Scenario) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """The machine with its plough as plain MuJoCo has it, settled, then rolling at 1.5 m/s."""
+    spec, numbers = joined(scenario.machine_file, scenario.implement_file)
+    spec.worldbody.add_geom(
+        name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], contype=1, conaffinity=2,
+        friction=[0.7, 0.02, 0.01],
+    )  # fmt: skip
     spec.compiler.discardvisual = True  # as ours is compiled: looks cost time and change nothing
     model = spec.compile()
     model.opt.disableflags = NO_SENSORS
     state = mujoco.MjData(model)
     mujoco.mj_step(model, state, 2000)
     state.qvel[0] = 1.5
-    for wheel, radius_m in (("fl", 0.62), ("fr", 0.62), ("rl", 0.83), ("rr", 0.83)):
-        state.joint(f"taishan_1404a/{wheel}_spin").qvel[0] = 1.5 / radius_m
+    for wheel in ("fl", "fr", "rl", "rr"):
+        axle = "front" if wheel[0] == "f" else "rear"
+        radius_m = numbers[f"tyre_{axle}.nominal_rolling_radius_m"]
+        state.joint(f"{wheel}_spin").qvel[0] = 1.5 / radius_m
     return model, state
 
 

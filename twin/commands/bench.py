@@ -22,6 +22,8 @@ RANKS = {"published": 0, "reference": 2, "low": 3, "high": 3, "unit": 1, "passed
 class Bench(Output):
     """Measure speed and memory on this computer and compare them with the promised values."""
 
+    machine: str | None = None
+    """Measure the physics step of this machine, a name or a file, and nothing else."""
     against: Path | None = None
     """Another checkout's folder: compare CPU times of commands in fresh processes, in turn."""
     cases: str = ""
@@ -50,7 +52,9 @@ def _measured(options: Bench) -> Rows:
             raise BadInput("--cases would not be read: it needs --against")
         from twin.bench import bench
 
-        return bench.rows()
+        return bench.rows() if options.machine is None else bench.step_rows(options.machine)
+    if options.machine is not None:
+        raise BadInput("--machine would not be read: it needs no --against")
     from twin.bench import against
 
     cases = [case for case in options.cases.split(",") if case]

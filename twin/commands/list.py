@@ -1,4 +1,4 @@
-"""`twin list`: print all scenarios, machines, soils and estimators."""
+"""`twin list`: print all scenarios, machines, implements, soils and estimators."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from twin.commands.terminal import say
 
 @dataclass(frozen=True, kw_only=True)
 class List:
-    """List scenarios, machines, soils and estimators with one line each."""
+    """List scenarios, machines, implements, soils and estimators with one line each."""
 
     json: bool = False
     """Print JSON instead of text."""
@@ -58,12 +58,13 @@ def everything() -> dict[str, dict[str, str]]:
     """Kind -> name -> one line, without importing anything heavy."""
     import estimators
     import scenarios
-    from twin.scenario import MACHINES
     from twin.scenario.soils import PRESETS
+    from twin.vehicle import files
 
     return {
         "scenarios": {n: _scenario_about(n) for n in scenarios.REGISTRY},
-        "machines": dict(MACHINES),
+        "machines": {name: files.machine(name).about for name in files.machine_names()},
+        "implements": {name: files.implement(name).about for name in files.implement_names()},
         "soils": {name: preset.about for name, preset in PRESETS.items()},
         "estimators": described(estimators.REGISTRY),
     }

@@ -9,7 +9,7 @@ import dataclasses
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,9 +20,14 @@ from twin.commands.parse import parse
 from twin.commands.terminal import say, waiting
 from twin.errors import BadInput, UnknownName, check_range
 from twin.io.plain import Plain
-from twin.rig.defaults import HITCH_M, PARKED_S, SPEED_MPS, SPEEDS_KMH, STEP_N
+from twin.rig.defaults import PARKED_S, SPEED_MPS, SPEEDS_KMH
 from twin.rig.tyre import Tyre
-from twin.scenario import Scenario, Soil
+from twin.scenario import Drive, Scenario, Soil
+from twin.streams import ZERO_SLIPS
+from twin.vehicle.files import USUAL
+
+if TYPE_CHECKING:
+    from twin.rig.drawbar import DrawbarCurve
 
 SLIPS = (
     -0.30, -0.20, -0.10, -0.05, -0.02, -0.01, 0.0, 0.005, 0.01, 0.02, 0.035, 0.05, 0.07, 0.10, 0.15,
@@ -65,13 +70,17 @@ class Drawbar(Told):
     With --table: the greatest steady drawbar power of each gear at full throttle, and its fuel.
     """
 
+    machine: str = USUAL
+    """The tractor: a name of `twin list`, a TOML file, or a MJCF."""
     soil: Soil = dataclasses.field(default_factory=Soil)
-    hitch_m: float = HITCH_M
-    """Height of the pull's line of action above the ground [m]."""
-    step_n: float = STEP_N
-    """Step of the pull from one load to the next [N]."""
+    hitch_m: float | None = None
+    """Height of the pull's line of action above the ground [m]; None for 0.45, or the axle's."""
+    step_n: float | None = None
+    """Step of the pull from one load to the next [N]; None for 500, or 1 % of the weight."""
     most_slip: float = 0.40
     """Slip at which the test ends [-]."""
+    all_wheel_drive: bool = False
+    """Engage the front axle."""
     table: bool = False
     """Test every gear at full throttle, within 15 % slip, instead of pull against slip."""
     gear_kmh: tuple[float, ...] = SPEEDS_KMH
@@ -84,6 +93,8 @@ class Drawbar(Told):
 class Slope(Told):
     """Drive the tractor along a line on cross slopes. Compare its crab angle with theory."""
 
+    machine: str = USUAL
+    """The tractor: a name of `twin list`, a TOML file, or a MJCF."""
     soil: Soil = dataclasses.field(default_factory=Soil)
     cross_slope_deg: tuple[float, ...] = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
     """Cross slopes [deg]; positive rises to the left."""
@@ -95,6 +106,8 @@ class Slope(Told):
 class Park(Told):
     """Park the tractor on slopes with the brakes on and measure how far it creeps."""
 
+    machine: str = USUAL
+    """The tractor: a name of `twin list`, a TOML file, or a MJCF."""
     soil: Soil = dataclasses.field(default_factory=Soil)
     cross_slope_deg: tuple[float, ...] = (0.0, 5.0, 10.0, 15.0, 18.0)
     """Cross slopes [deg], each without grade."""
@@ -130,6 +143,8 @@ def main(args: Sequence[str]) -> int:
     if talks:
         for table in found.shown:
             print_columns(table)
+        if any("slip" in table for table in found.shown):
+            say(f"slip is zero at: {ZERO_SLIPS['law']}", style="dim")
         say(", ".join(str(f) for f in files))
     return 0
 
@@ -195,10 +210,13 @@ def _gears(options: Drawbar) -> Measured:
 
     _some(options, "gear_kmh")
     speeds = np.unique(options.gear_kmh)
-    found = gears(options.soil, speeds_kmh=speeds.tolist(), hitch_m=options.hitch_m)
+    found = gears(
+        options.soil, speeds_kmh=speeds.tolist(), hitch_m=options.hitch_m,
+        machine=options.machine, all_wheel_drive=options.all_wheel_drive,
+    )  # fmt: skip
     columns = found.columns()
     shown = {name: columns[name] for name in SHOWN_OF_GEARS}
-    title = f"Drawbar rig by gear: {_soil(options.soil)}, pull at {options.hitch_m:g} m"
+    title = f"Drawbar rig by gear: {_soil(options.soil)}{_height(options)}"
     return Measured(
         {"drawbar-gears.csv": columns},
         [shown],
@@ -221,17 +239,39 @@ def _pulled(options: Drawbar) -> Measured:
         hitch_m=options.hitch_m,
         step_n=options.step_n,
         most_slip=options.most_slip,
+        gear=Drive(all_wheel_drive=options.all_wheel_drive),
+        machine=options.machine,
     )
+    if options.all_wheel_drive:
+        return _shared(curve, options)
     slips = np.array([s for s in COMPARED if curve.slip[0] <= s <= curve.slip.max()])
-    expected = expected_pull_n(options.soil, slips, hitch_m=options.hitch_m)
+    expected = expected_pull_n(
+        options.soil, slips, hitch_m=options.hitch_m, machine=options.machine
+    )
     ours = np.interp(slips, curve.slip, curve.pull_n)
     table = {"slip": slips, "pull_n": ours, "expected_n": expected, "ratio": ours / expected}
-    title = f"Drawbar rig: {_soil(options.soil)}, pull at {options.hitch_m:g} m"
+    title = f"Drawbar rig: {_soil(options.soil)}{_height(options)}"
     return Measured(
         {"drawbar.csv": curve.columns(), "drawbar-expected.csv": table},
         [table],
         "drawbar.png",
         lambda: figures.drawbar(curve, slips, expected, title),
+    )
+
+
+def _shared(curve: DrawbarCurve, options: Drawbar) -> Measured:
+    """Four driven wheels: how the axles share the pull; the closed form is of rear-wheel drive."""
+    from twin.rig import figures
+
+    columns = curve.columns()
+    shown = ("pull_n", "slip", "front_slip", "front_pull_n", "speed_mps", "drawbar_power_w")
+    title = f"Drawbar rig: {_soil(options.soil)}, four driven wheels"
+    none = np.zeros(0)
+    return Measured(
+        {"drawbar.csv": columns},
+        [{name: columns[name] for name in shown}],
+        "drawbar.png",
+        lambda: figures.drawbar(curve, none, none, title),
     )
 
 
@@ -243,8 +283,8 @@ def _slope(options: Slope) -> Measured:
     slopes = np.unique(options.cross_slope_deg)
     for angle in slopes:
         check_range("cross_slope_deg", float(angle), -25.0, 25.0)
-    wanted = expected(options.soil, slopes)
-    seen = slope(options.soil, slopes)
+    wanted = expected(options.soil, slopes, machine=options.machine)
+    seen = slope(options.soil, slopes, machine=options.machine)
     columns = seen.columns()
     own = ("crab_angle_rad", "steer_rad", "slip")
     columns |= {f"expected_{name}": getattr(wanted, name) for name in own}
@@ -265,7 +305,10 @@ def _park(options: Park) -> Measured:
     if not slopes:
         raise BadInput("--cross-slope-deg and --grade-deg are empty; give at least one slope")
     cross, grade = np.array(slopes).T
-    creep = park(options.soil, cross_slope_deg=cross, grade_deg=grade, parked_s=options.parked_s)
+    creep = park(
+        options.soil, cross_slope_deg=cross, grade_deg=grade, parked_s=options.parked_s,
+        machine=options.machine,
+    )  # fmt: skip
     title = f"Parking rig: {_soil(options.soil)}, brakes on for {options.parked_s:g} s"
     return Measured(
         {"park.csv": creep.columns()},
@@ -314,6 +357,10 @@ def _some(options: Any, *names: str) -> None:
 def _warn(sentences: Sequence[str]) -> None:
     for sentence in sentences:
         say(f"beyond the law's range: {sentence}", stderr=True)
+
+
+def _height(options: Drawbar) -> str:
+    return "" if options.hitch_m is None else f", pull at {options.hitch_m:g} m"
 
 
 def _soil(soil: Soil) -> str:

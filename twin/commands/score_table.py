@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from twin.commands.tables import Column, print_table
 from twin.commands.terminal import say
 from twin.io.plain import Plain
-from twin.scores.table import HEADERS, RANKS, end_lines, score_rows
+from twin.scores.table import HEADERS, RANKS, end_lines, score_rows, zero_line
 
 
 def print_scores(scores: Mapping[str, Plain]) -> None:
@@ -39,4 +39,6 @@ def _title(scores: Mapping[str, Plain]) -> str:
     ):
         if truth.get(key) is not None:
             said.append(form.format(truth[key]))
+    if (zero := zero_line(scores)) is not None:
+        said.append(zero)
     return ", ".join(said)

@@ -66,6 +66,10 @@ class Study(Output):
     """Number of seeds. Every scenario and sweep has the same ones."""
     first_seed: int = 0
     """The first seed."""
+    machine: str | None = None
+    """The tractor of all scenarios: a name of `twin list`, or a file."""
+    implement: str | None = None
+    """The implement of all scenarios: a name of `twin list`, or a file."""
     sweep: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
     """FIELD=V1,V2,...: a field of the scenarios and its values. Given several times, every
     combination is run."""
@@ -107,7 +111,9 @@ def main(args: Sequence[str]) -> int:
     estimators = _listed("--estimators", options.estimators)
     if options.against is not None and options.against not in estimators:
         raise BadInput(f"--against {options.against} is not among --estimators")
-    sweeps = read_sweeps(options.sweep, scenarios[0])
+    own = ((n, getattr(options, n)) for n in ("machine", "implement"))
+    fixed = [f"{name}={value}" for name, value in own if value is not None]
+    sweeps = read_sweeps([*fixed, *options.sweep], scenarios[0])
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     cases = studies.plan(names, seeds, estimators, sweeps)
     if options.talks:

@@ -11,8 +11,9 @@ from twin.commands.bench import print_rows
 from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
 from twin.commands.terminal import counting, say
-from twin.errors import check_range
+from twin.errors import BadInput, check_range
 from twin.io.atomic import write_text
+from twin.vehicle import files
 
 if TYPE_CHECKING:
     from twin.validate.check import Check
@@ -30,6 +31,8 @@ class Validate(Output):
     """File for the page in Markdown, such as VALIDATION.md."""
     report: Path | None = None
     """File for an HTML page: failed checks, and a figure and a table of each layer."""
+    machine: str | None = None
+    """Check what mechanics asks of this machine, a name or a file, and nothing else."""
     quick: bool = False
     """Use one seed of each field run: the same rows with more scatter, within a minute."""
 
@@ -40,11 +43,19 @@ def main(args: Sequence[str]) -> int:
     if options.jobs != -1:
         check_range("jobs", options.jobs, 1, 1024)
     check_files(json=options.json, out=options.out, report=options.report)
+    if options.machine is not None:
+        files.machine(options.machine)
+        for name in ("quick", "out"):
+            if getattr(options, name):
+                raise BadInput(f"--{name} would not be read with --machine; leave one of them out")
     from twin.compute.parallel import telling
     from twin.validate import page, suite
 
     with counting("validating", "checks", shown=options.talks) as told, telling(told):
-        found = suite.checks(jobs=options.jobs, quick=options.quick)
+        if options.machine is None:
+            found = suite.checks(jobs=options.jobs, quick=options.quick)
+        else:
+            found = suite.of_machine(options.machine, jobs=options.jobs)
     measured = [check.row for of_layer in found.values() for check in of_layer]
     deliver(measured, options.json)
     if options.out is not None:

@@ -43,16 +43,17 @@ LEAST_W = 1e3
 """Power at the axle below which the traction efficiency counts as 0 [W]."""
 RAISED_M = -0.10
 """Depth set point at which the plough is carried: the shares this much above the ground [m]."""
-DEEPEST_M = 0.35
-"""Deepest depth set point [m]."""
 OWN = {name: block.SOIL + Soil[name.upper()] for name in SPREAD}
 """Where the block has a ground's own numbers of its soil."""
 SHEARED = [block.SOIL + Soil.COHESION_PA, block.SOIL + Soil.TAN_PHI]
 """Where it has what friction scales in Bekker's law."""
 RECORDED = ("sensordata", "userdata")
 """What the sensors of an episode need of every step."""
-SLOWEST_RPM, FASTEST_RPM = 900.0, 2376.0
-"""No-load engine speeds between which the throttle sets the governor [rpm]."""
+DEEPEST_M = 0.35
+"""Deepest depth set point of the usual implement [m]; another has its own greatest depth."""
+SLOWEST, FASTEST = 1.125, 0.99
+"""No-load engine speeds between which the throttle sets the governor: over idle, and over the
+greatest."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +97,11 @@ class Levers(NamedTuple):
     idle_rpm: float
     no_load_rpm: float
     """No-load engine speeds with the governor's lever at 0 and at 1."""
+    slowest_rpm: float
+    fastest_rpm: float
+    """Those that the throttle's actions -1 and 1 set."""
+    deepest_m: float
+    """Deepest depth set point."""
     sole_m: float
     """Sole below the hitch points, the plough level."""
     axle_m: float
@@ -118,6 +124,9 @@ def levers(machine: Machine) -> Levers:
     return Levers(
         idle_rpm=numbers["engine.idle_rpm"],
         no_load_rpm=numbers["engine.no_load_rpm"],
+        slowest_rpm=SLOWEST * numbers["engine.idle_rpm"],
+        fastest_rpm=FASTEST * numbers["engine.no_load_rpm"],
+        deepest_m=machine.scenario.deepest_m,
         sole_m=numbers["plough.sole_below_hitch_m"],
         axle_m=axle_m,
         pivot_m=hitch.lower_front[1],
@@ -142,19 +151,21 @@ def lift_sine(depth_set_m: Number, lever: Levers) -> Number:
 
 def governor(throttle: Number, lever: Levers) -> Number:
     """Control of a throttle action in [-1, 1], linear in the no-load speed it sets; elementwise."""
-    set_rpm = SLOWEST_RPM + 0.5 * (throttle + 1.0) * (FASTEST_RPM - SLOWEST_RPM)
+    set_rpm = lever.slowest_rpm + 0.5 * (throttle + 1.0) * (lever.fastest_rpm - lever.slowest_rpm)
     return (set_rpm - lever.idle_rpm) / (lever.no_load_rpm - lever.idle_rpm)
 
 
 def start_throttle(machine: Machine) -> float:
     """The throttle action that sets the scenario's engine speed."""
-    set_rpm = machine.scenario.drive.engine_set_rpm
-    return 2.0 * (set_rpm - SLOWEST_RPM) / (FASTEST_RPM - SLOWEST_RPM) - 1.0
+    set_rpm = machine.scenario.gear.set_rpm
+    idle, top = (machine.numbers[f"engine.{n}_rpm"] for n in ("idle", "no_load"))
+    slowest, fastest = SLOWEST * idle, FASTEST * top
+    return 2.0 * (set_rpm - slowest) / (fastest - slowest) - 1.0
 
 
-def depth_set_m(hitch: Number) -> Number:
-    """Depth set point of a hitch action in [-1, 1]; elementwise [m]."""
-    return RAISED_M + 0.5 * (hitch + 1.0) * (DEEPEST_M - RAISED_M)
+def depth_set_m(hitch: Number, deepest_m: float = DEEPEST_M) -> Number:
+    """Depth set point of a hitch action in [-1, 1], up to the deepest; elementwise [m]."""
+    return RAISED_M + 0.5 * (hitch + 1.0) * (deepest_m - RAISED_M)
 
 
 _lift_sine, _governor = inlined_law(lift_sine), inlined_law(governor)
@@ -166,7 +177,7 @@ def set_levers(actions: Array, lever: Records, tasks: Records, sine: Array) -> N
     """Throttle of the actions into the tasks, and the sine of the lower links' angle."""
     for i in range(len(actions)):
         tasks[i].throttle = _governor(actions[i, 0], lever[0])
-        sine[i] = _lift_sine(_depth_set_m(actions[i, 1]), lever[0])
+        sine[i] = _lift_sine(_depth_set_m(actions[i, 1], lever[0].deepest_m), lever[0])
 
 
 def set_task(machine: Machine) -> DriverTask:

@@ -7,10 +7,11 @@ from gymnasium.utils import EzPickle
 from twin.env.ploughing import Ploughing
 from twin.env.rendering import Look
 from twin.env.single import RENDER_MODES, SingleEnv
+from twin.scenario import Scenario
 
 
 class PloughEnv(SingleEnv):
-    """A 103 kW tractor ploughs with four bodies; a controller sets throttle and hitch.
+    """A tractor works the soil with its implement; a controller sets throttle and hitch.
 
     The goal is a high work rate at a high traction efficiency, with the slip of the driven wheels
     near a target (more slip tears the soil, less slip leaves a larger share to rolling resistance)
@@ -37,14 +38,16 @@ class PloughEnv(SingleEnv):
     | `slip_target` | 0.12 | slip to work at [-], 0.02 to 0.4 |
     | `render_mode` | None | "rgb_array": `render()` gives a picture; "human": a window, no faster than real time |
     | `width`, `height` | 640, 480 | of the picture or the window [px], 16 to 4096 |
+    | `machine` | "taishan_1404a" | the tractor: a name of `twin list`, or a file |
+    | `implement` | None | its implement: a name of `twin list`, or a file; None for its usual one |
     | `camera` | "follow" | viewpoint: "follow" (behind, to the left), "side", "behind", "front" or "top"; it stays with the tractor |
 
     ## Actions: `Box(-1, 1, (2,), float32)`, values outside are taken as the bound
 
     | # | name | -1 | +1 | meaning |
     |---|---|---|---|---|
-    | 0 | throttle | 900 rpm | 2376 rpm | no-load speed the governor is set to; linear in the action, without delay |
-    | 1 | hitch | -0.10 m | 0.35 m | depth set point of the hitch, negative above the ground; linear in the action. It becomes an angle of the lower links, which move at up to 0.35 rad/s. The real depth differs, because the tractor sinks, squats and pitches |
+    | 0 | throttle | 900 rpm | 2376 rpm | no-load speed the governor is set to; linear in the action, without delay; of another machine 1.125 of its idle and .99 of its no-load speed |
+    | 1 | hitch | -0.10 m | 0.35 m | depth set point of the hitch, negative above the ground, up to the implement's greatest depth; linear in the action. It becomes an angle of the lower links, which move at up to 0.35 rad/s. The real depth differs, because the tractor sinks, squats and pitches |
 
     ## Observations: `Box(float32)`, finite, clipped to the bounds
 
@@ -188,9 +191,15 @@ class PloughEnv(SingleEnv):
         width: int = 640,
         height: int = 480,
         camera: str = "follow",
+        machine: str = Scenario.machine,
+        implement: str | None = None,
     ) -> None:
         EzPickle.__init__(
-            self, observation, estimator, depth_m, slip_target, render_mode, width, height, camera
+            self, observation, estimator, depth_m, slip_target, render_mode, width, height, camera,
+            machine, implement,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
-        self._hold(Ploughing(observation, estimator, depth_m, slip_target), look)
+        episodes = Ploughing(
+            observation, estimator, depth_m, slip_target, machine=machine, implement=implement
+        )
+        self._hold(episodes, look)

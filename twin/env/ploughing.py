@@ -45,6 +45,8 @@ class Ploughing(Episodes):
         slip_target: float,
         nsim: int = 1,
         nthread: int = 1,
+        machine: str = Scenario.machine,
+        implement: str | None = None,
     ) -> None:
         wanted = asked(observation, estimator, slip_target)
         self.depth_m, self.slip_target = float(depth_m), float(slip_target)
@@ -52,14 +54,16 @@ class Ploughing(Episodes):
             name="Plough-v0",
             plough=Plough(depth_m=self.depth_m),
             course=Course(approach_m=1.0),  # the last furrow is there from the start
+            machine=machine,
+            implement=implement,
         )
-        machine = build(scenario)
-        numbers = machine.numbers
+        built = build(scenario)
+        numbers = built.numbers
         self.width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
         self.engine = records(rated(numbers), 1)
         seen = observation != "truth"
         super().__init__(
-            Fleet(machine, nsim, nthread, sensed=seen),
+            Fleet(built, nsim, nthread, sensed=seen),
             ground_shapes(self.depth_m),
             observations.MODES[observation],
             wanted,

@@ -10,13 +10,15 @@ from twin.env import observations, reward
 from twin.env.episodes import Episodes, asked
 from twin.env.grounds import ROLLED, ground_shapes
 from twin.env.quantities import PLACE, TRUE, Ids
-from twin.env.torque_fleet import TorqueFleet, motors
+from twin.env.torque_fleet import USUAL_IMPLEMENT, TorqueFleet, motors
 from twin.scenario import Course, Drive, Scenario, Soil
 from twin.sensors import Imu, Sensors
 from twin.simulation.build import build
+from twin.vehicle import files
 
 Array = NDArray[np.float64]
 
+USUAL_MACHINE = "electric_tractor"
 FIRST = len(TRUE)
 SLIP_RL, SLIP_RR, V_Y = (PLACE[name] for name in ("slip_rl", "slip_rr", "v_y_rear_mps"))
 
@@ -39,20 +41,28 @@ class Pulling(Episodes):
         slip_target: float,
         nsim: int = 1,
         nthread: int = 1,
+        machine: str = USUAL_MACHINE,
+        implement: str = USUAL_IMPLEMENT,
     ) -> None:
         wanted = asked(observation, estimator, slip_target)
         self.slip_target = float(slip_target)
         scenario = Scenario(
             name="WheelSlip-v0",
-            machine="electric_tractor",
+            machine=machine,
             soil=Soil(preset="dry"),
-            drive=Drive(gear_ratio=50.0, engine_set_rpm=2400.0, differential_lock=False),
+            drive=Drive(differential_lock=False),
             course=Course(approach_m=0.0),
             sensors=Sensors(imu=Imu(vibration_rms_mps2=0.05), depth=None, machine=None),
         )
         seen = observation != "truth"
         super().__init__(
-            TorqueFleet(motors(build(scenario)), nsim, nthread, sensed=seen),
+            TorqueFleet(
+                motors(build(scenario)),
+                nsim,
+                nthread,
+                sensed=seen,
+                implement=files.implement(implement),
+            ),
             ground_shapes(0.25, ROLLED),
             observations.TORQUE_MODES[observation],
             wanted,

@@ -12,9 +12,11 @@ from gymnasium.vector import AutoresetMode
 
 from twin.env.many import RENDER_MODES, ManyEnv
 from twin.env.ploughing import Ploughing
-from twin.env.pulling import Pulling
+from twin.env.pulling import USUAL_MACHINE, Pulling
 from twin.env.rendering import Look
+from twin.env.torque_fleet import USUAL_IMPLEMENT
 from twin.errors import OutOfRange, UnknownName
+from twin.scenario import Scenario
 
 
 class PloughVectorEnv(ManyEnv):
@@ -57,14 +59,18 @@ class PloughVectorEnv(ManyEnv):
         width: int = 640,
         height: int = 480,
         camera: str = "follow",
+        machine: str = Scenario.machine,
+        implement: str | None = None,
     ) -> None:
         EzPickle.__init__(
             self, num_envs, max_episode_steps, observation, estimator, depth_m, slip_target,
-            render_mode, autoreset_mode, nthread, width, height, camera,
+            render_mode, autoreset_mode, nthread, width, height, camera, machine, implement,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
-        episodes = Ploughing(observation, estimator, depth_m, slip_target, num_envs, threads)
+        episodes = Ploughing(
+            observation, estimator, depth_m, slip_target, num_envs, threads, machine, implement
+        )
         self._hold(episodes, look, max_episode_steps, mode)
 
 
@@ -90,14 +96,18 @@ class WheelSlipVectorEnv(ManyEnv):
         width: int = 640,
         height: int = 480,
         camera: str = "follow",
+        machine: str = USUAL_MACHINE,
+        implement: str = USUAL_IMPLEMENT,
     ) -> None:
         EzPickle.__init__(
             self, num_envs, max_episode_steps, observation, estimator, slip_target,
-            render_mode, autoreset_mode, nthread, width, height, camera,
+            render_mode, autoreset_mode, nthread, width, height, camera, machine, implement,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
-        episodes = Pulling(observation, estimator, slip_target, num_envs, threads)
+        episodes = Pulling(
+            observation, estimator, slip_target, num_envs, threads, machine, implement
+        )
         self._hold(episodes, look, max_episode_steps, mode)
 
 

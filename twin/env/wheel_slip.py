@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from gymnasium.utils import EzPickle
 
-from twin.env.pulling import Pulling
+from twin.env.pulling import USUAL_MACHINE, Pulling
 from twin.env.rendering import Look
 from twin.env.single import RENDER_MODES, SingleEnv
+from twin.env.torque_fleet import USUAL_IMPLEMENT
 
 
 class WheelSlipEnv(SingleEnv):
@@ -35,6 +36,8 @@ class WheelSlipEnv(SingleEnv):
     | `slip_target` | 0.15 | slip to hold at each rear wheel [-], 0.02 to 0.4 |
     | `render_mode` | None | "rgb_array": `render()` gives a picture; "human": a window, no faster than real time |
     | `width`, `height` | 640, 480 | of the picture or the window [px], 16 to 4096 |
+    | `machine` | "electric_tractor" | a machine with a motor on each rear wheel: a name of `twin list`, or a file |
+    | `implement` | "cultivator_light" | what it pulls, by its draft alone: a name of `twin list`, or a file |
     | `camera` | "follow" | viewpoint: "follow" (behind, to the left), "side", "behind", "front" or "top"; it stays with the tractor |
 
     ## Actions: `Box(-1, 1, (2,), float32)`, values outside are taken as the bound
@@ -167,9 +170,15 @@ class WheelSlipEnv(SingleEnv):
         width: int = 640,
         height: int = 480,
         camera: str = "follow",
+        machine: str = USUAL_MACHINE,
+        implement: str = USUAL_IMPLEMENT,
     ) -> None:
         EzPickle.__init__(
-            self, observation, estimator, slip_target, render_mode, width, height, camera
+            self, observation, estimator, slip_target, render_mode, width, height, camera, machine,
+            implement,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
-        self._hold(Pulling(observation, estimator, slip_target), look)
+        episodes = Pulling(
+            observation, estimator, slip_target, machine=machine, implement=implement
+        )
+        self._hold(episodes, look)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import TypeVar
 
 from twin.errors import BadInput, UnknownName
-from twin.streams import BLOCKS, WHEELS, OwnSetup, Setup, own_setup
+from twin.streams import BLOCKS, WHEELS, ZERO_SLIPS, OwnSetup, Setup, own_setup
 
 Block = TypeVar("Block")
 
@@ -53,6 +53,9 @@ def setup_from(raw: Mapping[str, object], *, where: str = "setup", assume: bool)
             section = f"{where}.{name}"
             given = _fields(block, table_of(section, raw[name]), section, _assumed(name, assume))
             values[name] = _made(block, given)
+            zero = getattr(values[name], "zero_slip", "law")
+            if zero not in ZERO_SLIPS:
+                raise BadInput(f"{section}.zero_slip: {UnknownName('zero slip', zero, ZERO_SLIPS)}")
     if raw.get("extra") is not None:
         own = table_of(f"{where}.extra", raw["extra"])
         values["extra"] = {stream: _own(f"{where}.extra.{stream}", own[stream]) for stream in own}

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from twin.compute import quaternion
 from twin.machine import memory
-from twin.machine.files import model_path
 from twin.machine.ground_frame import world_from_ground
 from twin.machine.hitch import Hitch
+from twin.machine.join import joined
 from twin.machine.parameters import parameter_block, wheel_radii_m
 from twin.machine.plough_setting import (
     Setting,
@@ -66,7 +66,7 @@ class Machine:
     def throttle(self) -> float:
         """Governor setting of the scenario, 0 at idle, 1 at full."""
         idle, top = self.numbers["engine.idle_rpm"], self.numbers["engine.no_load_rpm"]
-        return (self.scenario.drive.engine_set_rpm - idle) / (top - idle)
+        return (self.scenario.gear.set_rpm - idle) / (top - idle)
 
 
 def assemble(
@@ -90,10 +90,7 @@ def assemble(
         dress: adds to the specification what only the eye wants; for a machine that is looked at.
     """
     install()
-    spec = mujoco.MjSpec.from_file(str(model_path(scenario.machine)))
-    numbers = {n.name: float(n.data[0]) for n in spec.numerics}
-    if scenario.plough is None and spec.body("plough.frame") is not None:
-        _leave_plough(spec)
+    spec, numbers = joined(scenario.machine_file, scenario.implement_file)
     for geom in (*(f"{w}_tyre" for w in block.WHEELS), "plough.depth_wheel_rim"):
         if (rim := spec.geom(geom)) is not None:
             rim.contype = rim.conaffinity = 0
@@ -115,7 +112,7 @@ def assemble(
         dress(spec)
     model = spec.compile()
     hitch = _hitch(spec)
-    reflected = numbers["engine.inertia_kgm2"] * scenario.drive.gear_ratio**2
+    reflected = numbers["engine.inertia_kgm2"] * scenario.gear.ratio**2
     model.dof_armature[model.joint("drive").dofadr[0]] = reflected
     model.numeric_data[-block.SIZE :] = parameter_block(scenario, model, numbers, rotation, maps)
     axle_height_m = model.body("tractor").pos[2]
@@ -124,7 +121,9 @@ def assemble(
         if scenario.plough.furrow != "none":  # one side lower by the depth, the middle by half
             axle_height_m -= 0.5 * scenario.plough.depth_m
         plough, draft_scale = scenario.plough, scenario.expected_draft_scale
-        here = mounted(model, plough, draft_scale, numbers, hitch, axle_height_m)
+        here = mounted(
+            model, plough, draft_scale, numbers, hitch, axle_height_m, scenario.deepest_m
+        )
         work_rad = here.work_rad
         if setting is None:
             setting = by_geometry(here)
@@ -138,11 +137,6 @@ def assemble(
         scenario, model, numbers, rotation, hitch, work_rad, setting, start.qpos, start.act, speed,
         start.load_n, maps,
     )  # fmt: skip
-
-
-def _leave_plough(spec: mujoco.MjSpec) -> None:
-    spec.delete(spec.tendon("top_link"))  # first: it goes with the body it is tied to
-    spec.delete(spec.body("plough.frame"))
 
 
 def _add_ground(

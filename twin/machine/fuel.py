@@ -36,6 +36,8 @@ def fuel_lph(
     idle, N stays 50: there the law leaves its data, and fuel falls no further, which is more than
     an idling engine takes.
 
+    Where the fuel of this engine at rated power was measured, Q is scaled to it.
+
     An engine that gives no power is dead or driven, its fuel shut off: Q = 0. So is a motor's.
 
     Args:
@@ -73,7 +75,7 @@ class Rated(NamedTuple):
     radps: float
     """w_r."""
     pto_kw: float
-    """P."""
+    """P, and more or less of it where the engine's own fuel at rated power was measured."""
 
 
 def rated(numbers: Mapping[str, float]) -> Rated:
@@ -82,7 +84,8 @@ def rated(numbers: Mapping[str, float]) -> Rated:
         return Rated(0.0, 0.0, 0.0)
     radps = numbers["engine.rated_rpm"] * math.pi / 30.0
     power_w = numbers["engine.rated_torque_nm"] * radps
-    return Rated(power_w, radps, 1e-3 * numbers["engine.pto_efficiency"] * power_w)
+    pto_kw = 1e-3 * numbers["engine.pto_efficiency"] * power_w
+    return Rated(power_w, radps, pto_kw * numbers.get("engine.fuel_ratio", 1.0))
 
 
 @law

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from twin.machine.build import Machine
+from twin.machine.zero_slip import radius_factors
+from twin.physics import block
 from twin.sensors import Geometry
 
 ORIGIN = (36.17, 117.16, 130.0)
@@ -21,17 +23,20 @@ def geometry(machine: Machine) -> Geometry:
     if plough:
         laser_m = float(model.site("plough.depth_laser").pos[2])
         laser_above_sole_m = numbers["plough.sole_below_hitch_m"] + laser_m
+    factors = radius_factors(machine.scenario, model.numeric_data[-block.SIZE :]).tolist()
     all_wheels = machine.scenario.drive.all_wheel_drive
     return Geometry(
-        machine=machine.scenario.machine,
+        machine=machine.scenario.machine_file.name,
         wheelbase_m=float(model.body("front_axle").pos[0]),
         track_front_m=2.0 * float(model.body("fl_knuckle").pos[1]),
         track_rear_m=2.0 * float(model.body("rl_wheel").pos[1]),
         cg_x_m=sites["cg"][0],
         wheel_radius_m={
-            w: numbers[f"tyre_{'front' if w[0] == 'f' else 'rear'}.nominal_rolling_radius_m"]
-            for w in ("fl", "fr", "rl", "rr")
+            w: factor
+            * numbers[f"tyre_{'front' if w[0] == 'f' else 'rear'}.nominal_rolling_radius_m"]
+            for w, factor in zip(block.WHEELS, factors, strict=True)
         },
+        zero_slip=machine.scenario.zero_slip,
         antenna_main_m=sites["gnss_main"],
         antenna_aux_m=sites["gnss_aux"],
         imu_m=sites["imu"],

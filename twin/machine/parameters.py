@@ -15,8 +15,8 @@ from twin.machine import memory
 from twin.machine.tread import tread_part
 from twin.physics import block
 from twin.physics.block import Coupling, Engine, Envelope, Field, Head, Part, Plough, Soil, Wheel
+from twin.physics.implement_laws import implement_law_number
 from twin.physics.laws import law_number
-from twin.scenario import Plough as Setting
 from twin.scenario import Scenario
 from twin.scenario import Soil as Ground
 from twin.scenario.plough import FURROW_SIDES
@@ -63,13 +63,15 @@ def parameter_block(
     if "heights" in maps:
         parts.append((block.FIELD, {Field.ENVELOPES: first_envelope(model)}))
     for i, name in enumerate(block.COUPLINGS):
-        part = _coupling(model, name, numbers, scenario.drive.gear_ratio)
+        part = _coupling(model, name, numbers, scenario.gear.ratio)
         parts.append((block.COUPLING + i * Coupling.SIZE, part))
     for i, wheel in enumerate(block.WHEELS):
         part = _wheel(model, wheel, numbers, scenario.soil.resolved.front_grip)
         parts.append((block.WHEEL + i * Wheel.SIZE, part))
     if scenario.plough is not None:
-        parts.append((block.PLOUGH, _plough(model, numbers, scenario.plough)))
+        tool = scenario.implement_file
+        law = "d497" if tool is None else tool.draft.law
+        parts.append((block.PLOUGH, _plough(model, numbers, law)))
     for start, part in parts:
         for index, value in part.items():
             out[start + index] = value
@@ -210,15 +212,21 @@ def _wheel(model: mujoco.MjModel, wheel: str, numbers: dict[str, float], front_g
         Wheel.TYRE: memory.address(model, f"{wheel}_tyre_x"),
         **named,
         **tread_part(named),
+        **{f: numbers.get(f"tyre_{axle}.{f.name.lower()}", 0.0) for f in block.BUILD},
     }
 
 
 def _engine(scenario: Scenario, model: mujoco.MjModel, numbers: dict[str, float]) -> Part:
     own = tuple(f for f in Engine if f < Engine.GEAR_RATIO)
+    points: Part = {Engine.POINT_COUNT: numbers.get("engine.point_count", 0.0)}
+    for i in range(int(points[Engine.POINT_COUNT])):
+        at = Engine.POINTS + 2 * i
+        points |= {at: numbers[f"engine.point_{i}_rpm"], at + 1: numbers[f"engine.point_{i}_nm"]}
     return {
+        **points,
         **_named(numbers, "engine", own),
         **({} if scenario.drive.exhaust_brake else {Engine.EXHAUST_BRAKE_PA: 0.0}),
-        Engine.GEAR_RATIO: scenario.drive.gear_ratio,
+        Engine.GEAR_RATIO: scenario.gear.ratio,
         Engine.FRONT_RATIO: _number(numbers, "front_drive.ratio"),
         Engine.SHAFT: int(model.joint("drive").dofadr[0]),
         Engine.THROTTLE: model.actuator("throttle").id,
@@ -240,12 +248,13 @@ def _coupling(
     }
 
 
-def _plough(model: mujoco.MjModel, numbers: dict[str, float], setting: Setting) -> Part:
-    """The plough's numbers; its shares are where `twin.machine.turned` has set them."""
+def _plough(model: mujoco.MjModel, numbers: dict[str, float], law: str) -> Part:
+    """The implement's numbers; its shares are where `twin.machine.turnover` has set them."""
     laws = tuple(f for f in Plough if f < Plough.WHEEL_RADIUS_M)
     wheel = tuple(f for f in Plough if Plough.WHEEL_RADIUS_M <= f < Plough.SOIL_STIFFNESS_NPM)
     out = _named(numbers, "plough", (*laws, Plough.SOIL_STIFFNESS_NPM))
     bodies = _bodies(model, out[Plough.BODIES])
+    out[Plough.LAW] = implement_law_number(law)
     out[Plough.SOIL] = memory.address(model, "soil_1_x")
     for f in wheel:
         out[f] = _number(numbers, "plough." + f.name.lower().replace("wheel_", "depth_wheel."))

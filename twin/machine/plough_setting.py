@@ -10,6 +10,8 @@ import numpy as np
 
 from twin.machine.hitch import FLOAT_RAD, Hitch
 from twin.machine.parameters import body_id
+from twin.physics.block import Plough as Block
+from twin.physics.plough import draft_n as draft_of
 from twin.scenario import Plough, Scenario
 from twin.scenario.plough import FURROW_SIDES
 
@@ -47,6 +49,8 @@ class Mounted:
     """Centre of mass, resultant of the soil's forces and hub of the depth wheel, from the hitch."""
     draft_n: float
     """Draft that is expected at 5.5 km/h."""
+    deepest_m: float
+    """Depth at which draft and mix lower no further."""
 
     @property
     def work_rad(self) -> float:
@@ -90,6 +94,7 @@ def mounted(
     numbers: dict[str, float],
     hitch: Hitch,
     axle_height_m: float,
+    deepest_m: float,
 ) -> Mounted:
     """The plough of a compiled model; `draft_scale` is what the operator expects."""
     sites = [model.site(i) for i in range(model.nsite)]
@@ -104,7 +109,7 @@ def mounted(
     }
     weight_n = GRAVITY_MPS2 * float(model.body_subtreemass[body_id(model, "plough.frame")])
     draft_n = expected_draft_n(numbers, plough.depth_m, draft_scale)
-    return Mounted(plough, numbers, hitch, axle_height_m, weight_n, points, draft_n)
+    return Mounted(plough, numbers, hitch, axle_height_m, weight_n, points, draft_n, deepest_m)
 
 
 def by_geometry(here: Mounted) -> Setting:
@@ -112,7 +117,7 @@ def by_geometry(here: Mounted) -> Setting:
     plough = here.plough
     lowest_rad = FLOAT_RAD
     if plough.mix > 0.0:
-        lowest_rad = _deeper_rad(here, plough.deepest_m - plough.depth_m)
+        lowest_rad = _deeper_rad(here, here.deepest_m - plough.depth_m)
     if plough.wheel_up:  # it touches where the lift lowers no further
         sag_m = here.place(lowest_rad, "hub")[1] - here.place(here.work_rad, "hub")[1]
         return Setting(here.work_rad, lowest_rad, here.draft_n, sag_m)
@@ -162,6 +167,9 @@ def _deeper_rad(here: Mounted, deeper_m: float) -> float:
 
 def expected_draft_n(numbers: dict[str, float], depth_m: float, draft_scale: float) -> float:
     """Draft the operator expects at 5.5 km/h (ASABE D497)."""
-    specific = numbers["plough.draft_a"] + numbers["plough.draft_c"] * 5.5**2
-    width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
-    return draft_scale * specific * width_m * 100.0 * depth_m
+    law = np.zeros(Block.SIZE)
+    for f in (Block.DRAFT_A, Block.DRAFT_B, Block.DRAFT_C, Block.FACTOR_MEDIUM,
+              Block.FACTOR_COARSE):  # fmt: skip
+        law[f] = numbers[f"plough.{f.name.lower()}"]
+    law[Block.DRAFT_WIDTH] = numbers["plough.bodies"] * numbers["plough.draft_width"]
+    return float(draft_of(law, draft_scale, depth_m, 5.5 / 3.6))

@@ -28,13 +28,11 @@ def raised_rad(scenario: Scenario) -> float:
 
 def unloaded_speed_mps(scenario: Scenario, numbers: dict[str, float]) -> float:
     """Speed at which the governed engine just carries its own losses."""
-    drive = scenario.drive
-    droop = (
-        numbers["engine.droop_rpm_per_nm"] * numbers["engine.no_load_rpm"] / drive.engine_set_rpm
-    )
-    rpm = drive.engine_set_rpm - 2.5 * droop * numbers["engine.parasitic_nm"]
+    gear = scenario.gear
+    droop = numbers["engine.droop_rpm_per_nm"] * numbers["engine.no_load_rpm"] / gear.set_rpm
+    rpm = gear.set_rpm - 2.5 * droop * numbers["engine.parasitic_nm"]
     radius_m = numbers["tyre_rear.free_rolling_radius_m"]
-    return rpm * math.pi / 30.0 / drive.gear_ratio * radius_m
+    return rpm * math.pi / 30.0 / gear.ratio * radius_m
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ Part: TypeAlias = dict[Any, float]
 
 MAGIC = 7.714e38
 """First number of the block; a model without it is left alone, bit for bit."""
-VERSION = 5.0
+VERSION = 6.0
 WHEELS = ("fl", "fr", "rl", "rr")
 
 
@@ -129,7 +129,18 @@ class Wheel(IntEnum):
     SHEAR_DAMPING_LAT_SPM = 17
     INERTIA_KGM2 = 18  # about the axle
     ENVELOPE = 19  # which of the envelopes is that of its radius
-    SIZE = 20
+    SLIP_RATE_CHANGE = 20  # relative change of k, c0 and m of Brixius' law by the tyre; 0 for bias
+    ROLLING_MOMENT_CHANGE = 21
+    MOBILITY_RESISTANCE_CHANGE = 22
+    PAIRED = 23  # 1 for two tyres side by side, whose widths and springs are added above; else 0
+    SIZE = 24
+
+
+BUILD = (
+    Wheel.SLIP_RATE_CHANGE, Wheel.ROLLING_MOMENT_CHANGE, Wheel.MOBILITY_RESISTANCE_CHANGE,
+    Wheel.PAIRED,
+)  # fmt: skip
+"""What a radial tyre changes of Brixius' law, and pairs; nothing where a model says nothing."""
 
 
 class Envelope(IntEnum):
@@ -163,7 +174,9 @@ class Engine(IntEnum):
     FRONT_RATIO = 16  # turns of the front axle per turn of the rear
     SHAFT = 17  # address of the drive shaft's velocity, at the rear axle's speed; -1 without one
     THROTTLE = 18  # address of the control
-    SIZE = 19
+    POINT_COUNT = 19  # points of a measured full-load curve; 0 for the parabola
+    POINTS = 20  # speed [rpm] and torque [N m] of each; room for MOST_POINTS
+    SIZE = 20 + 2 * 10
 
 
 class Coupling(IntEnum):
@@ -181,26 +194,34 @@ COUPLINGS = ("clutch", "lock", "front_drive", "brake_rl", "brake_rr")
 
 
 class Plough(IntEnum):
-    """Mould-board plough with a depth wheel; share positions follow the block's other parts."""
+    """An implement with a depth wheel; the places of its bodies or tools are its last numbers."""
 
-    BODIES = 0
+    BODIES = 0  # bodies or tools
     BODY_WIDTH_M = 1
     DRAFT_A = 2
-    DRAFT_C = 3
-    VERTICAL_RATIO = 4
-    FORCE_DEPTH_RATIO = 5
-    SIDE_RATIO = 6  # side force of the mould-boards, which the landsides take
-    WHEEL_RADIUS_M = 7
-    WHEEL_STIFFNESS_NPM = 8
-    WHEEL_DAMPING_NSPM = 9
-    WHEEL_RESISTANCE_RATIO = 10
-    SOIL_STIFFNESS_NPM = 11  # of the soil before one body, until it fails
-    SOIL = 12  # activation of the first body's displacement ahead; sideways and the others follow
-    SHARES = 13  # x, y, z of each share tip in the plough's frame
-    SIZE = 13 + 3 * 6  # room for MOST_SHARES
+    DRAFT_B = 3
+    DRAFT_C = 4
+    DRAFT_WIDTH = 5  # W of D497 for one: its width [m], or 1 where the law is per tool
+    FACTOR_MEDIUM = 6  # F of its kind on medium and coarse soil, where a mould-board's is .70, .45
+    FACTOR_COARSE = 7
+    VERTICAL_RATIO = 8
+    FORCE_DEPTH_RATIO = 9
+    SIDE_RATIO = 10  # side force of the mould-boards, which the landsides take
+    WHEEL_RADIUS_M = 11
+    WHEEL_STIFFNESS_NPM = 12
+    WHEEL_DAMPING_NSPM = 13
+    WHEEL_RESISTANCE_RATIO = 14
+    SOIL_STIFFNESS_NPM = 15  # of the soil before one body, until it fails
+    LAW = 16  # 0 for D497, or the number of a law of the user's
+    SOIL = 17  # activation of the first body's displacement ahead; sideways and the others follow
+    SHARES = 18  # x, y, z of each share tip in the implement's frame
+    SIZE = 18 + 3 * 16  # room for MOST_SHARES
 
 
-MOST_SHARES = 6
+MOST_SHARES = 16
+"""Bodies or tools of an implement, at most."""
+MOST_POINTS = 10
+"""Points of a measured full-load curve, at most."""
 FIELD = int(Head.SIZE)
 SOIL = FIELD + int(Field.SIZE)
 WHEEL = SOIL + int(Soil.SIZE)

@@ -15,11 +15,13 @@ def mobility(soil: Array, wheel: Array, load_n: float) -> float:
 
         Bn = (CI b d / W) (1 + 5 delta/h) / (1 + 3 b/d)
 
-    CI in kPa, W in kN. Brixius 1987; ASABE D497.
+    CI in kPa, W in kN. Of a pair each tyre has half of the width and half of the load. Brixius
+    1987; ASABE D497.
     """
-    b, d = wheel[Wheel.WIDTH_M], wheel[Wheel.DIAMETER_M]
+    tyres = 1.0 + wheel[Wheel.PAIRED]
+    b, d = wheel[Wheel.WIDTH_M] / tyres, wheel[Wheel.DIAMETER_M]
     bracket = (1.0 + 5.0 * wheel[Wheel.DEFLECTION_RATIO]) / (1.0 + 3.0 * b / d)
-    return soil[Soil.CONE_INDEX_KPA] * 1e3 * b * d / load_n * bracket
+    return soil[Soil.CONE_INDEX_KPA] * 1e3 * b * d / (load_n / tyres) * bracket
 
 
 @inlined_law
@@ -35,7 +37,8 @@ def brixius(
         M_r   = N c0
 
     so that gross traction is (F_x + M_r) / N, net traction (F_x - M_h) / N: c0 stands in both of
-    the source's ratios, therefore as a moment on the wheel and not as a pull.
+    the source's ratios, therefore as a moment on the wheel and not as a pull. k, c0 and m are the
+    soil's for a bias tyre; a radial one changes them, to 9.5 / 7.5, 0.0325 / 0.04 and 0.9 of them.
 
     Args:
         soil, wheel: parameter blocks (Soil, Wheel).
@@ -50,9 +53,10 @@ def brixius(
     lateral = wheel[Wheel.LATERAL_RATIO] * side_slip
     sigma = math.sqrt(slip * slip + lateral * lateral)
     ceiling = load_n * soil[Soil.FRICTION] * (1.0 - math.exp(-0.1 * bn))
-    k = soil[Soil.SLIP_RATE]
+    k = soil[Soil.SLIP_RATE] * (1.0 + wheel[Wheel.SLIP_RATE_CHANGE])
     # (1 - exp(-k sigma)) / sigma, whose limit at zero is k
     per_slip = ceiling * (-math.expm1(-k * sigma) / sigma if sigma > 1e-9 else k)
-    resistance = load_n * (soil[Soil.MOBILITY_RESISTANCE] / bn + 0.5 * abs(slip) / math.sqrt(bn))
-    rolling = load_n * soil[Soil.ROLLING_MOMENT]
+    m = soil[Soil.MOBILITY_RESISTANCE] * (1.0 + wheel[Wheel.MOBILITY_RESISTANCE_CHANGE])
+    resistance = load_n * (m / bn + 0.5 * abs(slip) / math.sqrt(bn))
+    rolling = load_n * (soil[Soil.ROLLING_MOMENT] * (1.0 + wheel[Wheel.ROLLING_MOMENT_CHANGE]))
     return per_slip * slip, per_slip * lateral, resistance, rolling, 0.0

@@ -222,7 +222,7 @@ def ground_forces(model: int, data: int) -> None:
     if frame >= 0:
         pull_plough(
             parameters, memory.ints(model, BODY_ROOTID)[frame], last_dof(model, frame), xpos, xmat,
-            cvel, com, cdof, parent, passive, act, dt_s, rates, machine, powers, nodes,
+            cvel, com, cdof, parent, passive, act, dt_s, rates, machine, powers, here, nodes,
         )  # fmt: skip
     damper = memory.doubles(data, QFRC_DAMPER)
     for j in range(nv):

@@ -9,6 +9,7 @@ from twin.physics.block import Engine
 from twin.physics.shapes import Array
 
 ELECTRIC = 1.0
+POINTS = int(Engine.POINTS)
 MOTORED_PA, MOTORED_PA_PER_RPM, MOTORED_PA_S2PM2 = 75e3, 48.0, 400.0
 """Mean effective pressure that turns an unfuelled diesel of direct injection: at rest, per speed,
 and per square of the mean piston speed."""
@@ -25,6 +26,18 @@ def _torque_of(power_w: float, rpm: float) -> float:
 
 
 @law
+def _measured_torque_nm(engine: Array, rpm: float) -> float:
+    """Linear between the measured points, which stand in the order of their speeds."""
+    count, at = int(engine[Engine.POINT_COUNT]), POINTS
+    torque = engine[at + 1]
+    for i in range(1, count):
+        low, high = engine[at + 2 * i - 2], engine[at + 2 * i]
+        share = min(max((rpm - low) / (high - low), 0.0), 1.0)
+        torque += share * (engine[at + 2 * i + 1] - engine[at + 2 * i - 1])
+    return torque
+
+
+@law
 def full_load_torque_nm(engine: Array, rpm: float) -> float:
     """Full-load torque of a diesel, or the torque limit of an electric motor.
 
@@ -33,6 +46,9 @@ def full_load_torque_nm(engine: Array, rpm: float) -> float:
 
     T = min(T_p - (T_p - T_r) ((n - n_p) / (n_r - n_p))**2, P_max / w) ;  T_p = T_r rise
     times clip((n - 300) / (500 - 300), 0, 1)
+
+    Where torque was measured by speed, T is linear between the points in place of the parabola, and
+    constant below the first and above the last.
 
     A motor's is T = min(T_r, P_max / |w|), or P_regenerated / |w| where it is pushed backwards.
     """
@@ -45,6 +61,8 @@ def full_load_torque_nm(engine: Array, rpm: float) -> float:
     peak = rated * engine[Engine.TORQUE_RISE]
     u = (rpm - engine[Engine.PEAK_RPM]) / (engine[Engine.RATED_RPM] - engine[Engine.PEAK_RPM])
     fuelled = min(max((rpm - STALLED_RPM) / (FIRING_RPM - STALLED_RPM), 0.0), 1.0)
+    if engine[Engine.POINT_COUNT] > 0.0:
+        return fuelled * min(_measured_torque_nm(engine, rpm), most)
     return fuelled * min(max(0.0, peak - (peak - rated) * u * u), most)
 
 

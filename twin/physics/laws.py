@@ -78,7 +78,7 @@ def register(function: Callable[..., Forces], name: str) -> float:
         function: plain Python, or compiled by numba already.
         name: what messages call it.
     """
-    number = int(key(Path(__file__), _source(function, name), name)[:12], 16)
+    number = int(key(Path(__file__), source_of(function, name, "soil law"), name)[:12], 16)
     known = _KNOWN.get(number)
     if known is None or known[0] is not function:  # loaded anew, perhaps with what it imports
         compiled = _compile(function, name)
@@ -137,10 +137,10 @@ def _compile(function: Callable[..., Forces], name: str) -> CFunc:
         raise BadInput(f"soil law '{name}' cannot be compiled: {reason}") from None
 
 
-def _source(function: Callable[..., Forces], name: str) -> str:
-    """Text of the file a law stands in."""
+def source_of(function: Callable[..., object], name: str, kind: str) -> str:
+    """Text of the file a law stands in. Raises BadInput for what stands in none."""
     try:
         module = inspect.getmodule(getattr(function, "py_func", function))
         return inspect.getsource(module)  # type: ignore[arg-type]  # None is a TypeError too
     except (OSError, TypeError):
-        raise BadInput(f"soil law '{name}' is no function of a module in a file") from None
+        raise BadInput(f"{kind} '{name}' is no function of a module in a file") from None

@@ -1,4 +1,4 @@
-"""Soil forces on a mould-board plough and its depth wheel."""
+"""Soil forces on the bodies or tools of an implement, and on its depth wheel."""
 
 from __future__ import annotations
 
@@ -18,21 +18,44 @@ LIFTED_S = 0.05
 """Time in which the soil before a lifted share is let go [s]."""
 RIPPLE_PER_DEPTH = 0.75
 """Wave length of shear failure over the depth: 0.5 to 1 in the literature."""
+MEDIUM, COARSE = 0.70, 0.45
+"""F of a mould-board plough on medium and coarse soil (ASABE D497)."""
 ROCK_CELL_M, ROCK_LENGTH_M = 10.0, 0.25
 """A share's path is divided into cells that hold a rock or none; how long it takes to pass one."""
 
 
 @law
+def soil_factor(plough: Array, draft_scale: float) -> float:
+    """F of ASABE D497 for a kind of implement, from the mould-board plough's on the same soil.
+
+        F(1.00) = 1        F(0.70) = F_medium        F(0.45) = F_coarse
+
+    Linear between the soils, and on above the first; in proportion below the last.
+    """
+    medium, coarse = plough[Plough.FACTOR_MEDIUM], plough[Plough.FACTOR_COARSE]
+    if medium == MEDIUM and coarse == COARSE:
+        return draft_scale
+    if draft_scale >= MEDIUM:
+        return medium + (1.0 - medium) * (draft_scale - MEDIUM) / (1.0 - MEDIUM)
+    if draft_scale >= COARSE:
+        return coarse + (medium - coarse) * (draft_scale - COARSE) / (MEDIUM - COARSE)
+    return coarse * draft_scale / COARSE
+
+
+@law
 def draft_n(plough: Array, draft_scale: float, depth_m: float, speed_mps: float) -> float:
-    """Draft of one plough body.
+    """Draft of one body or tool.
 
-        D = F (A + C S**2) w T        S in km/h, w in m, T in cm; F is draft_scale
+        D = F (A + B S + C S**2) W T      S in km/h, T in cm; W its width in m, or 1 for a tool
 
-    ASABE D497, mould-board plough (A 652, B 0, C 5.1).
+    ASABE D497. F is that of the implement's kind on a soil whose F for a mould-board plough is
+    draft_scale.
     """
     speed_kmh = 3.6 * speed_mps
-    specific = plough[Plough.DRAFT_A] + plough[Plough.DRAFT_C] * speed_kmh * speed_kmh
-    return draft_scale * specific * plough[Plough.BODY_WIDTH_M] * 100.0 * depth_m
+    specific = plough[Plough.DRAFT_A] + plough[Plough.DRAFT_B] * speed_kmh
+    specific += plough[Plough.DRAFT_C] * speed_kmh * speed_kmh
+    scale = soil_factor(plough, draft_scale)
+    return scale * specific * plough[Plough.DRAFT_WIDTH] * 100.0 * depth_m
 
 
 @law
@@ -105,7 +128,7 @@ def soil_before(
 
 @law
 def share_force(
-    plough: Array, draft: float, pressed: Vector2, velocity: Vector
+    plough: Array, draft: float, ratios: Vector2, pressed: Vector2, velocity: Vector
 ) -> tuple[Vector, float]:
     """Soil force on one body, from how far it has pressed the soil before it.
 
@@ -121,6 +144,7 @@ def share_force(
     Args:
         plough: its part of the block.
         draft: D of this body here and now [N].
+        ratios: r_v and r_s, of the vertical and the side force over the draft.
         pressed: x and y, ahead and towards the land [m].
         velocity: of the point where the force acts: ahead, towards the land, up.
 
@@ -131,10 +155,9 @@ def share_force(
     if draft <= 0.0:
         return (0.0, 0.0, 0.0), 0.0
     cutting = stiffness * max(pressed[0], 0.0)
-    side = plough[Plough.SIDE_RATIO] * cutting
+    ratio, side = ratios[0], ratios[1] * cutting
     drift = stiffness * pressed[1] / draft
     landside = side * min(3.0, max(0.0, 1.0 + drift / LANDSIDE_ANGLE))
-    ratio = plough[Plough.VERTICAL_RATIO]
     square = velocity[0] * velocity[0] + velocity[1] * velocity[1]
     rising = ratio * velocity[2]
     drawn = math.sqrt(square / (square + rising * rising + STARTING_MPS * STARTING_MPS))

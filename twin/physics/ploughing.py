@@ -1,4 +1,4 @@
-"""What the soil does to a plough: its bodies and its depth wheel, pushed into the machine."""
+"""What the soil does to an implement: its bodies and its depth wheel, pushed into the machine."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import math
 
 from twin.compute.compiled import law
 from twin.physics import block, rigid
-from twin.physics.block import Envelope, Field, Head, MachineSlot, Plough, PowerSlot
+from twin.physics.block import Envelope, Field, Head, MachineSlot, Plough, PowerSlot, Soil
 from twin.physics.contact import felt_height
-from twin.physics.ground import draft_scale, field_axis, on_ground, on_map
+from twin.physics.ground import draft_scale, field_axis, on_ground, on_map, soil_at
+from twin.physics.implement_laws import D497, implement_forces
 from twin.physics.plough import (
     LIFTED_S,
     depth_wheel_force,
@@ -92,6 +93,7 @@ def pull_plough(
     rates: Array,
     slots: Array,
     powers: Array,
+    here: Array,
     nodes: Array,
 ) -> None:
     """Soil forces on the plough's bodies and its depth wheel.
@@ -106,6 +108,7 @@ def pull_plough(
     ahead = rigid.cross(left, normal)
     land = rigid.scaled(1.0 if field[Field.FURROW_SIDE] <= 0.0 else -1.0, left)
     bodies = int(plough[Plough.BODIES])
+    own_ratios = plough[Plough.VERTICAL_RATIO], plough[Plough.SIDE_RATIO]
     total, moment, drag = roll_depth_wheel(
         parameters, root, xpos, xmat, cvel, com, slots, powers, nodes
     )
@@ -130,16 +133,27 @@ def pull_plough(
             rigid.dot(velocity, ahead), rigid.dot(velocity, land), rigid.dot(velocity, normal)
         )  # fmt: skip
         scale = draft_scale(field, soil, nodes, s, t)
-        draft = draft_n(plough, scale, -above, math.sqrt(rigid.dot(velocity, velocity)))
+        speed, ratios = math.sqrt(rigid.dot(velocity, velocity)), own_ratios
+        if plough[Plough.LAW] == D497:
+            draft = draft_n(plough, scale, -above, speed)
+        else:
+            drift = math.atan2(moving[1], abs(moving[0]))
+            soil_at(field, soil, nodes, s, t, here)
+            here[Soil.DRAFT_SCALE] = scale
+            own = implement_forces(plough, here, float(i), -above, speed, drift)
+            draft, ratios = own[0], (own[1], own[2])
         draft *= draft_factor(field, soil, s, t, -above)
-        draft = max(0.0, draft - relief) + rock_n(field, soil, s, t, i, plough[Plough.BODY_WIDTH_M])
+        draft -= relief
+        if draft < 0.0:
+            draft = 0.0
+        draft += rock_n(field, soil, s, t, i, plough[Plough.BODY_WIDTH_M])
         before = soil_before(
             plough[Plough.SOIL_STIFFNESS_NPM], draft, (act[pressed], act[pressed + 1]),
             (moving[0], moving[1]), dt_s,
         )  # fmt: skip
         rates[pressed] = (before[0] - act[pressed]) * per_step
         rates[pressed + 1] = (before[1] - act[pressed + 1]) * per_step
-        pull, landside = share_force(plough, draft, before, moving)
+        pull, landside = share_force(plough, draft, ratios, before, moving)
         force = rigid.plus(
             rigid.scaled(pull[0], ahead),
             rigid.plus(rigid.scaled(pull[1], land), rigid.scaled(pull[2], normal)),

@@ -40,8 +40,9 @@ def outside_validity(soil: Array, wheel: Array, load_n: float) -> tuple[str, ...
 
 
 def _brixius(wheel: Array, load_n: float) -> tuple[str, ...]:
-    b, d = float(wheel[Wheel.WIDTH_M]), float(wheel[Wheel.DIAMETER_M])
-    ratio = float(wheel[Wheel.DEFLECTION_RATIO])
+    tyres = 1.0 + float(wheel[Wheel.PAIRED])
+    b, d = float(wheel[Wheel.WIDTH_M]) / tyres, float(wheel[Wheel.DIAMETER_M])
+    load_n, ratio = load_n / tyres, float(wheel[Wheel.DEFLECTION_RATIO])
     measured = (
         ("W/(b d)", 1e-3 * load_n / (b * d), PRESSURE_KPA, " kPa"),
         ("b/d", b / d, SLENDERNESS, ""),

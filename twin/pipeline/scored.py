@@ -24,6 +24,7 @@ def run_scores(result: Result) -> scores.Scores:
         scored, result.estimates, scenario=scenario.name, seed=scenario.seed, window=window
     )
     return table | {
+        "zero_slip": zero_slip(result),
         "bound": None if scored is None else bound(result, scored, window),
         "ended": result.ended,
         "end": None if result.end is None else result.end.plain(),
@@ -35,7 +36,14 @@ def run_scores(result: Result) -> scores.Scores:
 def log_scores(result: Result) -> scores.Scores:
     """Scores of a log where it has a reference, and what was found of it."""
     table = scores.score(result.truth, result.estimates, scenario=result.name, seed=None)
-    return table | dict(result.found) | {"notes": list(result.notes)}
+    own = {"zero_slip": zero_slip(result), "notes": list(result.notes)}
+    return table | dict(result.found) | own
+
+
+def zero_slip(result: Result) -> str | None:
+    """Where slip is zero, as `twin.streams.ZERO_SLIPS` calls it; None without wheels."""
+    wheels = result.setup.wheels
+    return None if wheels is None else wheels.zero_slip
 
 
 def bound(result: Result, truth: Table, window_s: tuple[float, float]) -> dict[str, float] | None:

@@ -23,6 +23,8 @@ from twin.sensors.fix import Mode, timeline
 OTHER = "field.other_soil"
 KEPT = "numbers"
 """The part of a soil that a scenario.json keeps of its preset, and nobody sets."""
+KEPT_FILES = ("machine_numbers", "implement_numbers")
+"""What a scenario.json keeps of files, and nobody sets."""
 Met = Callable[[Scenario], bool]
 
 
@@ -153,9 +155,11 @@ RULES = (
     Rule("soil.draft_cv above 0", lambda s: s.soil.draft_cv > 0.0, ("soil.draft_length_m",)),
     Rule("soil.rocks_per_100m2 above 0", lambda s: s.soil.rocks_per_100m2 > 0.0,
          ("soil.rock_kn",)),
-    Rule("a linkage, which electric_tractor lacks", lambda s: s.machine != "electric_tractor",
+    Rule("a linkage, which the machine lacks", lambda s: s.facts.linkage,
          ("sensors.machine.lower_link_m",)),
-    Rule("a diesel, which electric_tractor has not", lambda s: s.machine != "electric_tractor",
+    Rule("a differential lock, which the machine lacks", lambda s: s.facts.lock,
+         ("drive.differential_lock",)),
+    Rule("a diesel, which the machine has not", lambda s: s.facts.diesel,
          ("drive.exhaust_brake",)),
     Rule("sensors.gnss.coloured_sd_m above 0", _of("gnss", lambda g: g.coloured_sd_m > 0.0),
          ("sensors.gnss.coloured_tau_s",)),
@@ -234,6 +238,9 @@ def complaint(
     for path in named:
         if KEPT in path.split("."):
             return f"{path} is kept of soil.preset and not set; set the soil's own fields"
+        if path.partition(".")[0] in KEPT_FILES:
+            what = path.partition("_")[0]
+            return f"{path} is kept of {what} and not set; a file of your own would do"
     for path, needs in (unread(scenario) | dict(also or {})).items():
         held, usual = _held(scenario, path)
         off = path.startswith("sensors.") and held == 0.0

@@ -16,7 +16,7 @@ from twin.report.draw import Drawing
 from twin.report.html import document, made_with, table
 from twin.report.html import figures as figures_of
 from twin.report.log_page import Figure
-from twin.scores.table import COVERAGE, HEADERS, end_lines, score_rows
+from twin.scores.table import COVERAGE, HEADERS, end_lines, score_rows, zero_line
 
 SLIP_OVER_TIME = (
     "Black: truth. Bands: ±2 reported standard deviations; about the truth, ±2 of the causal "
@@ -115,6 +115,8 @@ def _headline(scores: Mapping[str, Plain]) -> str:
         f"Errors are estimate minus truth at the same epoch. '{COVERAGE}' is the share of slip "
         "errors within two reported standard deviations; 95.4 % is right."
     )
+    if (zero := zero_line(scores)) is not None:
+        note += f" {zero.capitalize()}."
     return f'<h2>Scores</h2>{table(HEADERS, rows)}<p class="soft">{note}</p>'
 
 

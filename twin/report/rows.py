@@ -195,7 +195,7 @@ def _check_table(rows: Rows) -> str:
             _number(row.get("published", row.get("reference"))),
             _tolerance(row),
             "" if row.get("unit", "1") == "1" else str(row["unit"]),
-            "pass" if row.get("passed", True) else "FAIL",
+            {True: "pass", False: "FAIL", None: "-"}[row.get("passed")],
         ]
         for row in rows
     ]

@@ -84,7 +84,7 @@ def _prediction_rows(passes: dict[int, list[Pass]], trials: int, jobs: int) -> R
     out = []
     for cm in DEPTHS_CM:
         ratio = np.mean([SPEEDS_KMH[other] / speeds[other] for other in DEPTHS_CM if other != cm])
-        set_rpm = SCENARIOS[cm].drive.engine_set_rpm * float(ratio)
+        set_rpm = SCENARIOS[cm].gear.set_rpm * float(ratio)
         fitted = replace(SCENARIOS[cm], drive=replace(SCENARIOS[cm].drive, engine_set_rpm=set_rpm))
         speed = _mean(_drive_all(fitted, trials, jobs), "speed_kmh")
         published = SPEEDS_KMH[cm]

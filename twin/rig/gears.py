@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from twin.errors import BadInput, check_range
 from twin.machine.fuel import fuel_lph
 from twin.machine.plough_setting import GRAVITY_MPS2
-from twin.rig.defaults import HITCH_M, SPEEDS_KMH
+from twin.rig.defaults import SPEEDS_KMH
 from twin.rig.drawbar import drawbar
 from twin.rig.table import Measured
 from twin.rig.tractor import tractor
 from twin.scenario import Drive, Soil
+from twin.vehicle import files
 
 Array = NDArray[np.float64]
 
@@ -44,9 +45,14 @@ class Gears(Measured):
 
 
 def gears(
-    soil: Soil, *, speeds_kmh: Sequence[float] = SPEEDS_KMH, hitch_m: float = HITCH_M
+    soil: Soil,
+    *,
+    speeds_kmh: Sequence[float] = SPEEDS_KMH,
+    hitch_m: float | None = None,
+    machine: str = files.USUAL,
+    all_wheel_drive: bool = False,
 ) -> Gears:
-    """Greatest steady drawbar power in each gear, rear-wheel drive, as OECD Code 2 measures it.
+    """Greatest steady drawbar power in each gear, as OECD Code 2 measures it.
 
     Every load is held for 5 s at steady speed, at full throttle; loads with more than 15 % slip do
     not count. What is measured is pull times speed; nothing is inferred from the engine.
@@ -55,26 +61,34 @@ def gears(
         soil: what lies under it, the same everywhere.
         speeds_kmh: gears, by their speed at rated engine speed without slip.
         hitch_m: height of the pull above the ground.
+        machine: a name of `twin list`, or a file; one with fixed gears has the nearest to each.
+        all_wheel_drive: engage the front axle.
 
     Raises:
         OutOfRange: a speed outside what a scenario's gear may be.
         BadInput: the tractor pulls nothing within 15 % slip in a gear.
     """
-    rows = [_best(soil, speed, hitch_m) for speed in speeds_kmh]
+    rows = [_best(soil, speed, hitch_m, machine, all_wheel_drive) for speed in speeds_kmh]
     return Gears(**{name: np.array([row[name] for row in rows]) for name in rows[0]})
 
 
-def _best(soil: Soil, gear_kmh: float, hitch_m: float) -> dict[str, float]:
+def _best(
+    soil: Soil, gear_kmh: float, hitch_m: float | None, name: str, all_wheel_drive: bool
+) -> dict[str, float]:
     check_range("speeds_kmh", gear_kmh, 3.0, 30.0)
-    machine = tractor("rig-gears", soil)
+    machine = tractor("rig-gears", soil, machine=name)
     numbers, speed_mps = machine.numbers, gear_kmh / 3.6
     rated_radps = numbers["engine.rated_rpm"] * math.pi / 30.0
     ratio = rated_radps * numbers["tyre_rear.free_rolling_radius_m"] / speed_mps
+    if known := machine.scenario.facts.ratios:
+        ratio = min(known, key=lambda r: abs(math.log(r / ratio)))
     weight_n = GRAVITY_MPS2 * float(machine.model.body("tractor").subtreemass[0])
     most_n = min(numbers["engine.max_power_w"] / speed_mps, weight_n)
     curve = drawbar(
         soil, hitch_m=hitch_m, first_n=FIRST * most_n, step_n=STEP * most_n, most_slip=MOST_SLIP,
-        gear=Drive(gear_ratio=ratio, engine_set_rpm=numbers["engine.no_load_rpm"]),
+        gear=Drive(gear_ratio=ratio, engine_set_rpm=numbers["engine.no_load_rpm"],
+                   all_wheel_drive=all_wheel_drive),
+        machine=name,
     )  # fmt: skip
     power_w = np.where(curve.slip <= MOST_SLIP, curve.drawbar_power_w, 0.0)
     best = int(np.argmax(power_w))

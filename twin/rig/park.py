@@ -15,6 +15,7 @@ from twin.rig.table import Measured
 from twin.rig.tractor import tractor
 from twin.scenario import Field, Soil
 from twin.simulation.guard import Diverged, warning_text
+from twin.vehicle import files
 
 Array = NDArray[np.float64]
 
@@ -42,6 +43,7 @@ def park(
     cross_slope_deg: ArrayLike = 0.0,
     grade_deg: ArrayLike = 0.0,
     parked_s: float = PARKED_S,
+    machine: str = files.USUAL,
 ) -> Creep:
     """Park the tractor, brakes on, clutch disengaged, on each slope; the arguments broadcast.
 
@@ -61,7 +63,7 @@ def park(
         Field(cross_slope_deg=float(c), grade_deg=float(g))
         for c, g in zip(cross, grade, strict=True)
     ]
-    measured = np.array([_parked(soil, shape, parked_s) for shape in shapes])
+    measured = np.array([_parked(soil, shape, parked_s, machine) for shape in shapes])
     return Creep(
         cross_slope_deg=np.array(cross),
         grade_deg=np.array(grade),
@@ -70,13 +72,14 @@ def park(
     )
 
 
-def _parked(soil: Soil, shape: Field, parked_s: float) -> tuple[float, float]:
+def _parked(soil: Soil, shape: Field, parked_s: float, name: str) -> tuple[float, float]:
     """Farthest excursion, and mean speed over the last third."""
-    machine = tractor("rig-park", soil, shape)
+    machine = tractor("rig-park", soil, shape, machine=name)
     model, state = machine.model, mujoco.MjData(machine.model)
     state.qpos[:], state.act[:] = machine.start_qpos, machine.start_act
     for control, value in (("brake", 1.0), ("clutch_pedal", 1.0), ("lift", RAISED_RAD)):
-        state.ctrl[model.actuator(control).id] = value
+        if control != "lift" or machine.hitch is not None:
+            state.ctrl[model.actuator(control).id] = value
     mujoco.mj_step(model, state, round(SETTLE_S / model.opt.timestep))
     places = [np.array(state.qpos[:3])]
     look_s = parked_s / LOOKS

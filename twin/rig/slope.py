@@ -17,6 +17,7 @@ from twin.rig.tyre import Tyre
 from twin.rig.wheel import towed, wheel
 from twin.scenario import Field, Soil
 from twin.simulation.simulation import Simulation
+from twin.vehicle import files
 
 Array = NDArray[np.float64]
 
@@ -51,19 +52,21 @@ class CrabAngles(Measured):
     lower_load_n: Array
 
 
-def slope(soil: Soil, cross_slope_deg: ArrayLike) -> CrabAngles:
+def slope(soil: Soil, cross_slope_deg: ArrayLike, *, machine: str = files.USUAL) -> CrabAngles:
     """Drive along each cross-slope for a fixed time, then average crab angle, slip and loads.
 
     Raises:
         OutOfRange: a slope beyond what a scenario may have.
     """
     slopes = np.atleast_1d(np.asarray(cross_slope_deg, dtype=np.float64))
-    return CrabAngles(**_stacked(slopes, [_driven(soil, float(angle)) for angle in slopes]))
+    return CrabAngles(
+        **_stacked(slopes, [_driven(soil, float(angle), machine) for angle in slopes])
+    )
 
 
-def _driven(soil: Soil, cross_slope_deg: float) -> tuple[float, ...]:
+def _driven(soil: Soil, cross_slope_deg: float, machine: str) -> tuple[float, ...]:
     field = Field(cross_slope_deg=cross_slope_deg)
-    simulation = Simulation(tractor("rig-slope", soil, field))
+    simulation = Simulation(tractor("rig-slope", soil, field, machine=machine))
     drive(simulation, APPROACH_S)
     slots = mean(drive(simulation, WINDOW_S))
     rear = slots.wheels[2:]
@@ -81,7 +84,7 @@ def _stacked(slopes: Array, rows: list[tuple[float, ...]]) -> dict[str, Array]:
     }  # fmt: skip
 
 
-def expected(soil: Soil, cross_slope_deg: ArrayLike) -> CrabAngles:
+def expected(soil: Soil, cross_slope_deg: ArrayLike, *, machine: str = files.USUAL) -> CrabAngles:
     """Crab angle, steering and slip from the equilibrium of a rigid tractor on the rig's wheels.
 
     In the tractor's axes, with the crab angle beta and gravity G = W sin(theta) down the slope:
@@ -104,8 +107,9 @@ def expected(soil: Soil, cross_slope_deg: ArrayLike) -> CrabAngles:
         NoBalance: the tyres do not hold the tractor on this slope.
     """
     slopes = np.atleast_1d(np.asarray(cross_slope_deg, dtype=np.float64))
-    body = statics(soil)
-    return CrabAngles(**_stacked(slopes, [_balanced(soil, body, float(a)) for a in slopes]))
+    body = statics(soil, machine)
+    tyres = Tyre(machine=machine, axle="front"), Tyre(machine=machine, axle="rear")
+    return CrabAngles(**_stacked(slopes, [_balanced(soil, body, tyres, float(a)) for a in slopes]))
 
 
 @dataclass(frozen=True)
@@ -120,12 +124,14 @@ class _Wheels:
     axle_torque_nm: float
 
 
-def _wheels(soil: Soil, loads_n: Array, radii_m: Array, unknown: Array) -> _Wheels:
+def _wheels(
+    soil: Soil, tyres: tuple[Tyre, Tyre], loads_n: Array, radii_m: Array, unknown: Array
+) -> _Wheels:
     """Forces at a crab angle, steering angle and mean slip of the rear wheels."""
     crab, steer, slip = (float(v) for v in unknown)
     slips = 1.0 - (1.0 - slip) * radii_m.mean() / radii_m  # of one angular speed
-    rear = wheel(Tyre(axle="rear"), soil, slip=slips, load_n=loads_n[2:], slip_angle_rad=crab)
-    front = towed(Tyre(axle="front"), soil, load_n=loads_n[:2], slip_angle_rad=crab + steer)
+    rear = wheel(tyres[1], soil, slip=slips, load_n=loads_n[2:], slip_angle_rad=crab)
+    front = towed(tyres[0], soil, load_n=loads_n[:2], slip_angle_rad=crab + steer)
     cos, sin = math.cos(steer), math.sin(steer)
     return _Wheels(
         front_x_n=front.net_pull_n * cos - front.lateral_n * sin,
@@ -149,17 +155,19 @@ def _unbalanced(body: Statics, theta_rad: float, crab_rad: float, seen: _Wheels)
     return np.array([ahead, left, turning / body.wheelbase_m]) / body.weight_n
 
 
-def _balanced(soil: Soil, body: Statics, cross_slope_deg: float) -> tuple[float, ...]:
+def _balanced(
+    soil: Soil, body: Statics, tyres: tuple[Tyre, Tyre], cross_slope_deg: float
+) -> tuple[float, ...]:
     """Crab angle, steering, slip, and the rear wheels' loads in equilibrium."""
     check_range("cross_slope_deg", cross_slope_deg, -25.0, 25.0)
     theta = math.radians(cross_slope_deg)
     solution = np.array([0.2 * theta, 0.05 * theta, 0.015 + 0.1 * theta**2])
     loads = _loads(body, theta, 0.0, 0.0)
     for _ in range(LOAD_ITERATIONS):
-        radii = towed(Tyre(axle="rear"), soil, load_n=loads[2:]).rolling_radius_m
+        radii = towed(tyres[1], soil, load_n=loads[2:]).rolling_radius_m
 
         def residual(unknown: Array, loads: Array = loads, radii: Array = radii) -> Array:
-            seen = _wheels(soil, loads, radii, unknown)
+            seen = _wheels(soil, tyres, loads, radii, unknown)
             return _unbalanced(body, theta, float(unknown[0]), seen)
 
         found = root(residual, solution, method="hybr", options={"eps": 1e-4, "xtol": 1e-5})
@@ -168,7 +176,7 @@ def _balanced(soil: Soil, body: Statics, cross_slope_deg: float) -> tuple[float,
                 f"the tyres do not hold the tractor on cross_slope_deg = {cross_slope_deg:g}"
             )
         solution = found.x
-        seen = _wheels(soil, loads, radii, solution)
+        seen = _wheels(soil, tyres, loads, radii, solution)
         loads = _loads(body, theta, seen.axle_torque_nm, float(seen.front_x_n.sum()))
     crab, steer, slip = (float(v) for v in solution)
     return crab, steer, slip, float(loads[2]), float(loads[3])

@@ -74,6 +74,8 @@ def stand(
         Wheel.INERTIA_KGM2: inertias["spin"],
     }
     tyre = {**sizes, **own}
+    if radial:  # the soil's numbers are those of a radial tyre already
+        tyre |= dict.fromkeys(block.BUILD[:3], 0.0)
     model.numeric_data[-block.SIZE :] = _block(model, tyre | tread_part(tyre), soil, radial)
     return model
 

@@ -16,6 +16,8 @@ from twin.physics.block import WheelSlot
 from twin.scenario import Course, Drive, Field, Scenario, Soil
 from twin.simulation.build import build
 from twin.simulation.simulation import DECISION_S, Simulation
+from twin.vehicle import Machine as Vehicle
+from twin.vehicle import files
 
 Array = NDArray[np.float64]
 
@@ -37,22 +39,38 @@ class Statics:
 
 
 def tractor(
-    name: str, soil: Soil, shape: Field | None = None, gear: Drive | None = None
+    name: str,
+    soil: Soil,
+    shape: Field | None = None,
+    gear: Drive | None = None,
+    machine: str | Vehicle = files.USUAL,
 ) -> Machine:
-    """The machine without a plough, on soil that is the same everywhere."""
+    """A machine without an implement, on soil that is the same everywhere.
+
+    Args:
+        name: of the scenario.
+        soil, shape: the ground.
+        gear: how it is driven; None for its usual gear, two driven wheels.
+        machine: a name, a file, or what a file holds.
+    """
     homogeneous = dataclasses.replace(soil, strength_cv=0.0)
     course = Course(approach_m=1.0, length_m=5000.0)
     return build(
         Scenario(
             name=name, soil=homogeneous, field=shape or Field(), course=course,
-            drive=gear or Drive(),
+            drive=gear or Drive(), machine=machine if isinstance(machine, str) else machine.name,
+            machine_numbers=None if isinstance(machine, str) else machine,
         )
     )  # fmt: skip
 
 
-def statics(soil: Soil) -> Statics:
-    """Weight and lengths of the tractor settled on level ground."""
-    machine = tractor("rig-level", soil)
+def statics(soil: Soil, machine: str = files.USUAL) -> Statics:
+    """Weight and lengths of a tractor settled on level ground."""
+    return statics_of(tractor("rig-level", soil, machine=machine))
+
+
+def statics_of(machine: Machine) -> Statics:
+    """Weight and lengths of a machine settled on level ground."""
     model, state = machine.model, mujoco.MjData(machine.model)
     state.qpos[:] = machine.start_qpos
     mujoco.mj_forward(model, state)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from functools import cache
 
 from twin.errors import BadInput, UnknownName, check_range
-from twin.machine.files import model_path
-from twin.physics.block import Wheel
-from twin.scenario import MACHINES
+from twin.physics.block import BUILD, Wheel
+from twin.vehicle import files
+from twin.vehicle.numerics import machine_facts
 
 AXLES = ("front", "rear")
 RIGID_NPM = 1e9
@@ -24,7 +23,7 @@ SIZES = tuple(f for f in Wheel if Wheel.WIDTH_M <= f <= Wheel.NOMINAL_LOAD_N)
 class Tyre:
     """The wheel under test. What is None follows the machine's tyre."""
 
-    machine: str = "taishan_1404a"
+    machine: str = files.USUAL
     """Whose tyre."""
     axle: str = "rear"
     """front or rear."""
@@ -48,8 +47,7 @@ class Tyre:
     """A smooth rigid wheel: no deflection, the rolling radius is the radius."""
 
     def __post_init__(self) -> None:
-        if self.machine not in MACHINES:
-            raise UnknownName("machine", self.machine, MACHINES)
+        files.machine(self.machine)
         if self.axle not in AXLES:
             raise UnknownName("axle", self.axle, AXLES)
         for name, low, high in (
@@ -79,15 +77,8 @@ class Tyre:
         return sizes
 
 
-@cache
-def _numbers(machine: str) -> dict[str, float]:
-    import mujoco  # heavy: a wrong option is refused without it
-
-    spec = mujoco.MjSpec.from_file(str(model_path(machine)))
-    return {n.name: float(n.data[0]) for n in spec.numerics}
-
-
 def machine_tyre(machine: str, axle: str) -> dict[Wheel, float]:
     """The sizes a machine's model gives for the tyre of an axle."""
-    numbers = _numbers(machine)
-    return {f: numbers[f"tyre_{axle}.{f.name.lower()}"] for f in SIZES}
+    numbers = machine_facts(files.machine(machine)).numbers
+    sizes = {f: numbers[f"tyre_{axle}.{f.name.lower()}"] for f in SIZES}
+    return sizes | {f: numbers.get(f"tyre_{axle}.{f.name.lower()}", 0.0) for f in BUILD}

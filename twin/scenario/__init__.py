@@ -3,7 +3,7 @@
 from twin.scenario.course import Course, Drive
 from twin.scenario.field import Field, Patch
 from twin.scenario.plough import Plough
-from twin.scenario.scenario import MACHINES, Scenario
+from twin.scenario.scenario import Scenario
 from twin.scenario.soil import Soil
 
-__all__ = ["MACHINES", "Course", "Drive", "Field", "Patch", "Plough", "Scenario", "Soil"]
+__all__ = ["Course", "Drive", "Field", "Patch", "Plough", "Scenario", "Soil"]

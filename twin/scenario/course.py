@@ -17,10 +17,13 @@ class Drive:
     The driver brakes where the ground drives the engine above that setting.
     """
 
-    gear_ratio: float = 66.0
-    """Engine turns per turn of the rear axle [-]."""
-    engine_set_rpm: float = 1665.0
-    """No-load speed the governor is set to [rpm]."""
+    gear_ratio: float | None = None
+    """Engine turns per turn of the rear axle [-]; None for the machine's usual gear."""
+    engine_set_rpm: float | None = None
+    """No-load speed the governor is set to [rpm]; None for the machine's usual one."""
+    gear_kmh: float | None = None
+    """In place of gear_ratio: the gear whose speed without slip is nearest at the set speed [km/h];
+    just that speed where the machine has no fixed gears."""
     all_wheel_drive: bool = False
     """Engage the front axle."""
     differential_lock: bool = True
@@ -29,8 +32,17 @@ class Drive:
     """Close the exhaust brake of a diesel while the wheels drive it; an option of the machine."""
 
     def __post_init__(self) -> None:
-        check_range("drive.gear_ratio", self.gear_ratio, 15.0, 300.0)
-        check_range("drive.engine_set_rpm", self.engine_set_rpm, 300.0, 3000.0)
+        if self.gear_ratio is not None:
+            check_range("drive.gear_ratio", self.gear_ratio, 5.0, 1000.0)
+        if self.engine_set_rpm is not None:
+            check_range("drive.engine_set_rpm", self.engine_set_rpm, 100.0, 9000.0)
+        if self.gear_kmh is not None:
+            check_range("drive.gear_kmh", self.gear_kmh, 0.5, 60.0)
+            if self.gear_ratio is not None:
+                raise BadInput(
+                    f"drive.gear_ratio = {self.gear_ratio:g} and drive.gear_kmh = "
+                    f"{self.gear_kmh:g} contradict each other; one of them would do"
+                )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""How the plough is set."""
+"""How the plough, or another implement, is set."""
 
 from __future__ import annotations
 
@@ -20,17 +20,18 @@ five holes over some 0.2 m."""
 
 @dataclass(frozen=True, kw_only=True)
 class Plough:
-    """How the plough is set."""
+    """How the implement is set; which one it is stands in `Scenario.implement`."""
 
     depth_m: float = 0.25
-    """Working depth [m]."""
+    """Working depth [m], within what the implement works at."""
     wheel_share: float = 0.48
     """Share of the plough's weight and downward soil force the depth wheel is set to carry in
     the hitch modes depth, position and mix [-]. In float it carries what the links do not. In
     draft, and in mix with `draft_mix` = 1, it is up and touches the ground only at `deepest_m`."""
     furrow: str = "right"
     """Side whose wheels run in the last furrow: right, left, or none. A reversible plough turns
-    over at the headland, so the side alternates from pass to pass."""
+    over at the headland, so the side alternates from pass to pass. None behind what turns no
+    furrow, as a cultivator."""
     hitch: str = "depth"
     """How the hitch is controlled: depth (the operator trims it), position (the lever's angle is
     held), draft, mix (of position and draft) or float (the lift carries nothing)."""
@@ -45,8 +46,8 @@ class Plough:
     """How fast the lift lowers at most [rad/s]; 0.35 is 0.33 m/s at the hitch points."""
     upper_limit_rad: float = 0.6
     """Angle of the lower links to which the lift raises the plough, and no further [rad]."""
-    deepest_m: float = 0.35
-    """Depth at which draft and mix lower no further [m]; 0.35 is the plough's greatest."""
+    deepest_m: float | None = None
+    """Depth at which draft and mix lower no further [m]; None for the implement's greatest."""
     front_ballast_kg: float | None = None
     """Weights on the tractor's front [kg]. None: 500 where the depth wheel is up, as the tractor
     then carries the whole plough and would rear up, and 0 otherwise."""
@@ -59,7 +60,7 @@ class Plough:
             raise UnknownName("furrow side", self.furrow, FURROW_SIDES)
         if self.hitch not in HITCH_MODES:
             raise UnknownName("hitch mode", self.hitch, HITCH_MODES)
-        check_range("plough.depth_m", self.depth_m, 0.05, 0.35)
+        check_range("plough.depth_m", self.depth_m, 0.01, 0.8)
         check_range("plough.wheel_share", self.wheel_share, 0.0, 1.0)
         if self.expected_draft_scale is not None:
             check_range("plough.expected_draft_scale", self.expected_draft_scale, 0.0, 2.0)
@@ -67,12 +68,13 @@ class Plough:
         check_range("plough.sensitivity_rad", self.sensitivity_rad, 0.01, 0.1)
         check_range("plough.drop_rate_radps", self.drop_rate_radps, 0.05, 1.0)
         check_range("plough.upper_limit_rad", self.upper_limit_rad, 0.4, 0.9)
-        check_range("plough.deepest_m", self.deepest_m, 0.05, 0.4)
-        if self.hitch in DRAFT_MODES and self.deepest_m < self.depth_m:
-            raise OutOfRange(
-                "plough.deepest_m", f"{self.deepest_m:g}",
-                f"[{self.depth_m:g}, 0.4]: no shallower than plough.depth_m",
-            )  # fmt: skip
+        if self.deepest_m is not None:
+            check_range("plough.deepest_m", self.deepest_m, 0.01, 0.9)
+            if self.hitch in DRAFT_MODES and self.deepest_m < self.depth_m:
+                raise OutOfRange(
+                    "plough.deepest_m", f"{self.deepest_m:g}",
+                    f"[{self.depth_m:g}, 0.9]: no shallower than plough.depth_m",
+                )  # fmt: skip
         if self.front_ballast_kg is not None:
             check_range("plough.front_ballast_kg", self.front_ballast_kg, 0.0, 1000.0)
         if self.top_link_drop_m is not None:

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 
 from twin.io.plain import Plain
 from twin.scores.hours import SHORT_S, hours, hours_seconds
+from twin.scores.table import zero_line
 
 ACTIVITY_RANKS = {
     "activity": 0, "time [h:mm]": 0, "share [%]": 5, "distance [km]": 4, "speed [km/h]": 1,
@@ -106,12 +107,14 @@ def protocol_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
 
 def scale_lines(scores: Mapping[str, Plain]) -> list[str]:
     """What steady work and the wheels' scale were found to be, by the map's rules."""
-    steady = scores.get("steady")
+    steady, zero = scores.get("steady"), zero_line(scores)
+    told = [] if zero is None or not slip_rows(scores) else [zero]
     if not steady:
-        return []
+        return told
     lag_s = steady["lag_s"]
     lag = "is unknown" if lag_s is None else f"is {lag_s:.2f} s"
     return [
+        *told,
         f"steady work: median slip {_percent(steady, 'slip_median', 'slip_low', 'slip_high')}, "
         f"{steady['n']} rows of the log where {steady['rule']}",
         f"zero-slip scale {_interval(steady, 'scale')}, {steady['scale_n']} rows of the log "

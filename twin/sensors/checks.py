@@ -20,13 +20,22 @@ class Range:
     high: float
 
 
-def check_fields(prefix: str, config: object) -> None:
-    """Raise OutOfRange unless every field with a Range (each element of a tuple) lies in it."""
+def check_fields(prefix: str, config: object, *, given_only: bool = False) -> None:
+    """Raise OutOfRange unless every field with a Range (each element of a tuple) lies in it.
+
+    Args:
+        prefix: what messages put before a field's name; nothing where empty.
+        config: a dataclass.
+        given_only: leave out what is None.
+    """
     kind: type = type(config)
     for name, allowed in _ranges(kind).items():
         value = getattr(config, name)
+        if value is None and given_only:
+            continue
         for element in value if isinstance(value, tuple) else (value,):
-            check_range(f"{prefix}.{name}", element, allowed.low, allowed.high)
+            path = f"{prefix}.{name}" if prefix else name
+            check_range(path, element, allowed.low, allowed.high)
 
 
 @cache

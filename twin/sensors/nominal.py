@@ -35,6 +35,8 @@ class Geometry:
     """Auxiliary GNSS antenna."""
     imu_m: Vector
     """Inertial unit."""
+    zero_slip: str = "law"
+    """Where slip by these radii is zero, one of `twin.streams.ZERO_SLIPS`."""
     depth_zero_m: float = 0.0
     """Laser range times cos(inclination) at zero working depth, m."""
     driven: tuple[str, ...] = ("rl", "rr")
@@ -69,6 +71,7 @@ def _wheels(sensors: Sensors, geometry: Geometry) -> WheelsSetup | None:
         rate_hz=sensors.wheels.rate_hz,
         radius_m={wheel: geometry.wheel_radius_m[wheel] for wheel in WHEELS},
         counts_per_turn=sensors.wheels.counts_per_turn,
+        zero_slip=geometry.zero_slip,
     )
 
 

@@ -15,10 +15,12 @@ from numpy.typing import NDArray
 from twin.compute import quaternion
 from twin.machine.build import Machine
 from twin.machine.fuel import fuel_lph
+from twin.machine.zero_slip import radius_factors
 from twin.physics import block
 from twin.physics.block import MachineSlot, PowerSlot, WheelSlot
 from twin.trajectory.end import End
 from twin.trajectory.trajectory import Trajectory
+from twin.truth.motion import slip_ratio
 
 Array = NDArray[np.float64]
 Record: TypeAlias = dict[str, Array]
@@ -78,6 +80,8 @@ class Recorder:
         self.normal, self.heights = machine.world_from_ground[:, 2], machine.maps.get("heights")
         self.plough = machine.scenario.plough is not None
         self.numbers = machine.numbers
+        self.own_zero = machine.scenario.zero_slip == "law"
+        self.factors = radius_factors(machine.scenario, model.numeric_data[-block.SIZE :])
         self.sensors = {
             model.sensor(i).name: slice(adr, adr + dim)
             for i, (adr, dim) in enumerate(
@@ -171,6 +175,8 @@ class Recorder:
         wheels = slots[:, : block.MACHINE_SLOTS].reshape(len(slots), 4, int(WheelSlot.SIZE))
         machine, powers = slots[:, block.MACHINE_SLOTS :], slots[:, block.POWER_SLOTS :]
         columns |= {name: wheels[:, :, slot] for name, slot in WHEEL_COLUMNS.items()}
+        if not self.own_zero:
+            columns |= self._by_zero(columns)
         columns |= {name: powers[:, slot] for name, slot in POWER_COLUMNS.items()}
         columns["slip_angle_rad"] = np.arctan2(
             -columns["tread_speed_y_mps"], np.abs(columns["wheel_speed_x_mps"])
@@ -183,6 +189,13 @@ class Recorder:
         )
         columns["draft_w"] = machine[:, MachineSlot.DRAFT_X_N : MachineSlot.DRAFT_Z_N + 1]
         return columns
+
+    def _by_zero(self, columns: dict[str, Array]) -> dict[str, Array]:
+        """Rolling radius and slip by the scenario's zero: `twin.machine.zero_slip`."""
+        radius_m = columns["rolling_radius_m"] * self.factors
+        rim_mps = columns["spin_radps"] * radius_m
+        slip = slip_ratio(rim_mps, columns["wheel_speed_x_mps"])
+        return {"rolling_radius_m": radius_m, "slip": slip}
 
     def _height_m(self, place_w: Array) -> Array:
         """Height of the ground's map at places. Shape (n, 3) -> (n,)."""

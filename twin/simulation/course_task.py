@@ -29,7 +29,7 @@ def course_task(machine: Machine) -> DriverTask:
         work_rad=machine.work_rad,
         throttle=machine.throttle,
         hold_line=scenario.course.hold_line,
-        differential_lock=scenario.drive.differential_lock,
+        differential_lock=scenario.drive.differential_lock and scenario.facts.lock,
         front_drive=scenario.drive.all_wheel_drive,
     )
     if plough is None or setting is None:
@@ -53,10 +53,10 @@ def drivetrain(machine: Machine) -> Drivetrain:
     radius_m = numbers["tyre_rear.free_rolling_radius_m"]
     mass_kg = float(model.body_subtreemass[model.body("tractor").id])
     return Drivetrain(
-        gear_ratio=machine.scenario.drive.gear_ratio,
+        gear_ratio=machine.scenario.gear.ratio,
         idle_rpm=numbers["engine.idle_rpm"],
         no_load_rpm=numbers["engine.no_load_rpm"],
-        mps_per_radps=radius_m / machine.scenario.drive.gear_ratio,
+        mps_per_radps=radius_m / machine.scenario.gear.ratio,
         pedal_per_mps2=mass_kg * radius_m / (2.0 * numbers["brake.capacity_nm"]),
     )
 

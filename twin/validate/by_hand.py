@@ -10,7 +10,7 @@ from twin.machine.build import Machine
 from twin.machine.start import RAISED_RAD
 from twin.physics.block import MACHINE_SLOTS, WheelSlot
 from twin.rig.tyre import machine_tyre
-from twin.scenario import Soil
+from twin.scenario import Scenario, Soil
 from twin.simulation.simulation import Simulation
 from twin.validate.brixius_forms import mobility
 
@@ -36,7 +36,8 @@ def parked(machine: Machine) -> mujoco.MjData:
 
 def hold(machine: Machine, state: mujoco.MjData, **controls: float) -> None:
     """Set controls by name; the hitch is raised unless told."""
-    for name, value in ({"lift": RAISED_RAD} | controls).items():
+    raised = {} if machine.hitch is None else {"lift": RAISED_RAD}
+    for name, value in (raised | controls).items():
         state.ctrl[machine.model.actuator(name).id] = value
 
 
@@ -47,5 +48,5 @@ def wheels(state: mujoco.MjData) -> Array:
 
 def mobility_of(axle: str, load_n: float, soil: Soil) -> float:
     """Brixius' mobility number of the tractor's tyre of an axle."""
-    sizes = machine_tyre("taishan_1404a", axle)
+    sizes = machine_tyre(Scenario.machine, axle)
     return mobility(sizes, load_n, soil.resolved.cone_index_kpa)

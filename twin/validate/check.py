@@ -48,8 +48,13 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """Whether it stands within its tolerance."""
-        return bool(self.row["passed"])
+        """Whether it stands within its tolerance; what is only reported does."""
+        return bool(self.row.get("passed", True))
+
+    @property
+    def gated(self) -> bool:
+        """Whether it has a tolerance."""
+        return "passed" in self.row
 
 
 def near(

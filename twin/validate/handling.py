@@ -188,7 +188,7 @@ def bicycle_of(machine: Machine, soil: Soil, body: Statics) -> Bicycle:
     mass_kg = body.weight_n / 9.81
     rear_share = 1.0 - body.cg_ahead_m / body.wheelbase_m
     loads = {"front": (1.0 - rear_share) * body.weight_n, "rear": rear_share * body.weight_n}
-    tyres = {axle: machine_tyre("taishan_1404a", axle) for axle in loads}
+    tyres = {axle: machine_tyre(Scenario.machine, axle) for axle in loads}
     bias, bn = KINDS["bias"], {a: mobility_of(a, 0.5 * n, soil) for a, n in loads.items()}
     cornering = {
         axle: load * stiffness(bias, bn[axle]) * tyres[axle][Wheel.LATERAL_RATIO]

@@ -10,6 +10,7 @@ from joblib import delayed
 from twin.compute.parallel import many
 from twin.validate import (
     analytic,
+    catalogue,
     downhill,
     field,
     fuel,
@@ -51,6 +52,11 @@ TASKS: tuple[tuple[str, Callable[[], list[Check]]], ...] = (
     ("table", fuel.half_load),
     ("laws", traction.law_against_law),
     ("field", field.drawbar_power),
+    ("field", catalogue.deere),
+    ("field", catalogue.large),
+    ("field", catalogue.yemen),
+    ("field", catalogue.korea),
+    ("field", catalogue.ballast),
     ("field", slides.slides_set),
     ("prediction", slides.slide_foretold),
     ("numerical", numerical.halved_step),
@@ -63,6 +69,13 @@ TASKS: tuple[tuple[str, Callable[[], list[Check]]], ...] = (
     ("sensors", instruments.inertial),
     ("sensors", instruments.receiver),
 )
+
+
+def of_machine(machine: str, *, jobs: int = 1) -> dict[str, list[Check]]:
+    """What mechanics asks of any machine; by layer. Its loads, pull, crab angle and parking."""
+    tasks = (analytic.static_loads, analytic.drawbar_pull, analytic.crab_angle, analytic.parking)
+    found = many([delayed(task)(machine) for task in tasks], jobs)
+    return {"analytic": [check for of_task in found for check in of_task]}
 
 
 def checks(*, jobs: int = 1, quick: bool = False) -> dict[str, list[Check]]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from twin.camera.opengl import OffScreen
 from twin.machine.build import assemble
-from twin.machine.files import model_path
+from twin.machine.join import joined
 from twin.plugins.lookup import Thing
 from twin.viz.bodies import bodies
 from twin.viz.field import FieldMesh, Seen
@@ -77,5 +77,5 @@ class Stage:
 
 
 def _wheelbase_m(scenario: Thing) -> float:
-    spec = mujoco.MjSpec.from_file(str(model_path(scenario.machine)))
+    spec, _ = joined(scenario.machine_file)
     return float(spec.body("front_axle").pos[0])

@@ -1,0 +1,59 @@
+"""A wrong file is refused in one line: the field, the value, what would do."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.vehicle.wrong_files import IMPLEMENT, MACHINE, cases
+from twin import cli
+from twin.vehicle import files
+
+CASES = cases()
+
+
+def test_there_are_at_least_fifty():
+    assert len(CASES) >= 50
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_wrong_file_is_refused_in_one_line(case, tmp_path: Path, monkeypatch, capsys):
+    kind, text, said = CASES[case]
+    monkeypatch.chdir(tmp_path)
+    Path("wrong.toml").write_text(text)
+    status = cli.main(["run", "plough-20cm", f"--{kind}", "wrong.toml", "--plough.depth-m", "0.1"])
+    out, err = capsys.readouterr()
+    assert status == 2
+    assert out == ""
+    assert err.startswith("twin: ")
+    assert err.count("\n") == 1, err
+    for part in said:
+        assert part in err, err
+    assert [p.name for p in tmp_path.iterdir()] == ["wrong.toml"], "something was left behind"
+
+
+def test_the_files_they_are_made_from_are_right(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("right.toml").write_text(MACHINE)
+    assert files.machine("right.toml").name == "mine"
+    Path("tool.toml").write_text(IMPLEMENT)
+    assert files.implement("tool.toml").bodies == 11
+
+
+def test_check_says_every_inconsistency_and_has_a_status(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text = MACHINE.replace("rated_rpm = 2200", "rated_rpm = 2200\nmax_power_kw = 60")
+    text = text.replace("mass_kg", "front_axle_kg = 1700\nrear_axle_kg = 2900\nmass_kg", 1)
+    Path("odd.toml").write_text(text + '[drive]\ndriven = "all"\nfront_lead = 0.1\n')
+    assert cli.main(["machine", "check", "odd.toml"]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 3
+    assert {line.split(" ")[0] for line in lines} == {
+        "front_axle_kg", "engine.max_power_kw", "drive.front_lead",
+    }  # fmt: skip
+    assert "odd, but can be driven" in lines[-1]
+
+
+@pytest.mark.parametrize("name", files.machine_names())
+def test_the_catalogue_is_consistent(name, capsys):
+    assert cli.main(["machine", "check", name]) == 0
+    assert "nothing is inconsistent" in capsys.readouterr().out

@@ -1,0 +1,165 @@
+"""`twin machine show | check | export`: a machine's or an implement's file, and what follows."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from twin.commands.parse import parse
+from twin.commands.tables import Column, print_table
+from twin.commands.terminal import say
+from twin.errors import BadInput, TwinError, UnknownName
+from twin.vehicle import Implement, Machine, files
+from twin.vehicle.check import findings
+from twin.vehicle.derive import derive
+from twin.vehicle.files import mjcf_path
+from twin.vehicle.implement import NONE
+from twin.vehicle.implement_derive import derive_implement
+from twin.vehicle.numerics import implement_numbers, machine_facts
+from twin.vehicle.reading import read
+from twin.vehicle.source import Graded
+
+ACTIONS = ("show", "check", "export")
+INCONSISTENT = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Show:
+    """Show every number of a machine or an implement, its grade and where it comes from."""
+
+    json: bool = False
+    """Print JSON instead of a table."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Check:
+    """Say what is inconsistent in a machine's file; status 1 where there is something."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Export:
+    """Write a machine as MJCF, which plain MuJoCo opens: twin machine export FILE OUT.xml."""
+
+    implement: str | None = None
+    """The implement on its linkage; None for none."""
+
+
+def main(args: Sequence[str]) -> int:
+    """Show, check or export."""
+    if not args or args[0] in ("-h", "--help"):
+        print("twin machine show NAME|FILE    every number, its grade and its source")
+        print("twin machine check FILE        what is inconsistent")
+        print("twin machine export NAME|FILE OUT.xml [--implement NAME|FILE]    as MJCF")
+        print("twin machine ACTION --help describes an action, --json among them.")
+        if args:
+            return 0
+        raise BadInput(f"twin machine needs to know what to do: {', '.join(ACTIONS)}")
+    action, rest = args[0], list(args[1:])
+    if action not in ACTIONS:
+        raise UnknownName("action of twin machine", action, ACTIONS)
+    wanted = 2 if action == "export" else 1
+    if any(a in ("-h", "--help") for a in rest):
+        wanted = 0
+    names, options = rest[:wanted], rest[wanted:]
+    if len(names) < wanted or any(name.startswith("--") for name in names):
+        what = "a name or a file" + (", and a file to write" if action == "export" else "")
+        raise BadInput(f"twin machine {action} needs {what} first")
+    prog = f"twin machine {action}"
+    if action == "show":
+        return _show(names[0] if names else "", parse(Show, options, prog=prog))
+    if action == "check":
+        parse(Check, options, prog=prog)
+        return _check(names[0])
+    return _export(names[0], Path(names[1]), parse(Export, options, prog=prog))
+
+
+def _found(spec: str) -> Machine | Implement:
+    """A machine, or an implement: by name, or by what is in the file."""
+    if spec in files.implement_names():
+        return files.implement(spec)
+    try:
+        return files.machine(spec)
+    except TwinError as error:
+        if spec.endswith(".toml") and Path(spec).is_file():
+            try:
+                return files.implement(spec)
+            except TwinError:
+                raise error from None
+        raise
+
+
+def _numbers(part: Machine | Implement) -> dict[str, Graded]:
+    """Every number, as the twin uses it."""
+    if isinstance(part, Machine):
+        if part.mjcf is None:
+            return dict(derive(part).numbers)
+        said = f"numeric of {part.mjcf}; README.md beside it has grade and source"
+        return {n: Graded(v, "given", said) for n, v in machine_facts(part).numbers.items()}
+    if part.kind == NONE:
+        return {}
+    if part.mjcf is None:
+        return dict(derive_implement(part).numbers)
+    said = f"numeric of {part.mjcf}; README.md beside it has grade and source"
+    return {n: Graded(v, "given", said) for n, v in implement_numbers(part).items()}
+
+
+def _show(spec: str, options: Show) -> int:
+    part = _found(spec)
+    numbers = _numbers(part)
+    if options.json:
+        rows = {
+            path: {"value": n.value, "grade": n.grade, "source": n.source}
+            for path, n in numbers.items()
+        }
+        print(json.dumps({"schema": 1, "name": part.name, "about": part.about, "numbers": rows},
+                         indent=2))  # fmt: skip
+        return 0
+    say(f"{part.name}: {part.about}", style="bold")
+    values = [f"{n.value:.6g}" for n in numbers.values()]
+    print_table([
+        Column(heading="number", cells=list(numbers), text=True),
+        Column(heading="value", cells=values),
+        Column(heading="grade", cells=[n.grade for n in numbers.values()], text=True),
+        Column(heading="source or rule", cells=[n.source or "-" for n in numbers.values()], rank=1,
+               text=True),
+    ])  # fmt: skip
+    return 0
+
+
+def _check(spec: str) -> int:
+    """Print every inconsistency in a line of its own."""
+    if spec in (*files.machine_names(), *files.implement_names()) or not spec.endswith(".toml"):
+        part = _found(spec)
+    else:
+        path = Path(spec)
+        try:
+            part = read(Machine, path)
+        except TwinError as error:
+            try:
+                part = files.implement(spec)
+            except TwinError:
+                raise error from None
+    if isinstance(part, Implement):
+        say(f"{part.name}: nothing is inconsistent")
+        return 0
+    mjcf_path(part)
+    found = findings(part)
+    for finding in found:
+        print(finding if finding.fatal else f"{finding} (odd, but can be driven)")
+    if not found:
+        say(f"{part.name}: nothing is inconsistent")
+    return INCONSISTENT if found else 0
+
+
+def _export(spec: str, out: Path, options: Export) -> int:
+    from twin.io.atomic import write_text
+    from twin.machine.export import as_mjcf
+
+    if out.suffix != ".xml":
+        raise BadInput(f"{out} is no MJCF; a file that ends in .xml would do")
+    part = None if options.implement in (None, NONE) else files.implement(str(options.implement))
+    write_text(out, as_mjcf(files.machine(spec), part))
+    say(f"{out}: python -m mujoco.viewer --mjcf {out}")
+    return 0

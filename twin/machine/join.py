@@ -1,0 +1,67 @@
+"""A machine with its implement as one specification: hand-made or made, attached at build."""
+
+from __future__ import annotations
+
+import mujoco
+
+from twin.errors import BadInput
+from twin.machine.implement_mjcf import implement_spec
+from twin.machine.mjcf import machine_spec
+from twin.vehicle.files import mjcf_path
+from twin.vehicle.implement import Implement
+from twin.vehicle.machine import Machine
+from twin.vehicle.numerics import implement_numbers
+
+PREFIX = "plough."
+"""What the names of an implement begin with on a machine."""
+TOP_LINK_NPM, TOP_LINK_NSPM = 20e6, 200e3
+"""A steel tube with the give of its pins and mounts, before an implement of 1470 kg; as stiff in
+proportion before a lighter one, which a step resolves."""
+FULL_KG = 1470.0
+
+
+def joined(
+    machine: Machine, part: Implement | None = None
+) -> tuple[mujoco.MjSpec, dict[str, float]]:
+    """mujoco.MjSpec of a machine with its implement, on no ground; and its numerics by name.
+
+    Raises:
+        BadInput: a MJCF cannot be read, or has no place for an implement.
+    """
+    spec = _read(machine) or machine_spec(machine)
+    numbers = {n.name: float(n.data[0]) for n in spec.numerics}
+    if part is not None:
+        _attach(spec, machine, part)
+        numbers |= {PREFIX + name: value for name, value in implement_numbers(part).items()}
+    return spec, numbers
+
+
+def _read(part: Machine | Implement) -> mujoco.MjSpec | None:
+    """The hand-made MJCF; None where there is none."""
+    path = mjcf_path(part)
+    if path is None:
+        return None
+    try:
+        return mujoco.MjSpec.from_file(str(path))
+    except ValueError as error:
+        raise BadInput(f"{path} is no MJCF: {' '.join(str(error).split())}") from None
+
+
+def _attach(spec: mujoco.MjSpec, machine: Machine, part: Implement) -> None:
+    """Hang the implement's frame on the hitch, and join it by the top link."""
+    hitch = spec.frame("hitch")
+    if hitch is None:
+        raise BadInput(f"{machine.name} has no frame 'hitch' for an implement")
+    child = _read(part) or implement_spec(part)
+    frame = child.body("frame")
+    if frame is None:
+        raise BadInput(f"{part.name} has no body 'frame'")
+    mass_kg = float(frame.mass)
+    hitch.attach_body(frame, PREFIX, "")
+    share = min(1.0, mass_kg / FULL_KG)
+    link = spec.add_tendon(
+        name="top_link", width=0.025, rgba=[0.25, 0.25, 0.25, 1.0],
+        stiffness=[TOP_LINK_NPM * share, 0, 0], damping=[TOP_LINK_NSPM * share, 0, 0],
+    )  # fmt: skip
+    link.wrap_site("top_link_front")
+    link.wrap_site(PREFIX + "top_link_rear")

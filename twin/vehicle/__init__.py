@@ -1,0 +1,6 @@
+"""What a machine and an implement are: typed, read from files, completed by stated rules."""
+
+from twin.vehicle.implement import Implement
+from twin.vehicle.machine import Machine
+
+__all__ = ["Implement", "Machine"]

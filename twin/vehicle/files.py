@@ -1,0 +1,105 @@
+"""Machines and implements by name, or from a user's own file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import TypeVar
+
+from twin.errors import BadInput, TwinError, UnknownName
+from twin.io.plain import Plain
+from twin.vehicle.check import refuse_inconsistent
+from twin.vehicle.implement import NONE, Implement
+from twin.vehicle.machine import Machine
+from twin.vehicle.reading import read
+
+T = TypeVar("T", Machine, Implement)
+USUAL = "taishan_1404a"
+"""The machine of a scenario and of a rig that names none."""
+
+
+@cache
+def models_folder() -> Path:
+    """Where the models are: inside the installed package, or beside it in a checkout."""
+    package = Path(__file__).parents[1]
+    for folder in (package / "_models", package.parent / "models"):
+        if folder.is_dir():
+            return folder
+    raise BadInput(f"models are neither in {package / '_models'} nor in models/ beside it")
+
+
+def machine_names() -> tuple[str, ...]:
+    """Names of the machines that are shipped."""
+    return tuple(_shipped("catalogue"))
+
+
+def implement_names() -> tuple[str, ...]:
+    """Names of the implements that are shipped."""
+    return (*_shipped("implements"), NONE)
+
+
+def machine(spec: str) -> Machine:
+    """A machine by name, or from a TOML file or a MJCF.
+
+    Raises:
+        UnknownName: there is no such machine.
+        BadInput: the file cannot be used.
+    """
+    found = _found("machine", spec, "catalogue", Machine)
+    if found.folder and found.mjcf is None:
+        try:
+            refuse_inconsistent(found)
+        except TwinError as error:
+            raise BadInput(f"{spec}: {error}") from None
+    return found
+
+
+def implement(spec: str) -> Implement:
+    """An implement by name, or from a TOML file. Raises as `machine`."""
+    if spec == NONE:
+        return Implement(name=NONE, kind=NONE, about="the tractor alone")
+    return _found("implement", spec, "implements", Implement)
+
+
+def mjcf_path(part: Machine | Implement) -> Path | None:
+    """Path of its hand-made MJCF; None where it is made. Raises BadInput where it is missing."""
+    if part.mjcf is None:
+        return None
+    path = (Path(part.folder) if part.folder else models_folder() / part.name) / part.mjcf
+    if not path.is_file():
+        raise BadInput(f"mjcf = {path} is missing; a MJCF beside the file would do")
+    return path
+
+
+@cache
+def _shipped(folder: str) -> dict[str, Path]:
+    """Name -> file, of those in a folder of the models."""
+    return {p.stem: p for p in sorted((models_folder() / folder).glob("*.toml"))}
+
+
+_READ: dict[Path, Plain] = {}
+"""What was read of the files that are shipped."""
+
+
+def _read_shipped(kind: type[T], path: Path) -> T:
+    if path not in _READ:
+        _READ[path] = replace(read(kind, path), folder="")
+    found: T = _READ[path]
+    return found
+
+
+def _found(what: str, spec: str, folder: str, kind: type[T]) -> T:
+    shipped = _shipped(folder)
+    if spec in shipped:
+        return _read_shipped(kind, shipped[spec])
+    path = Path(spec)
+    if path.suffix == ".toml":
+        return read(kind, path)
+    if path.suffix == ".xml" and kind is Machine:
+        if not path.is_file():
+            raise BadInput(f"{path} is missing; a MJCF would do")
+        return kind(name=path.stem, mjcf=path.name, folder=str(path.parent.absolute()))
+    if path.exists():
+        raise BadInput(f"{what} = {spec} is no TOML file; one that ends in .toml would do")
+    raise UnknownName(what, spec, shipped)
