@@ -155,7 +155,7 @@ def _prepared(log: Log) -> tuple[Log, SteadySlip | None, dict[str, Plain]]:
     """
     log, beside = protocol.applied(log)
     if "zero_slip" not in log.rules:
-        return log, None, beside | {"zero_slip": _zero_slip(log, beside)}
+        return log, None, beside | {"zero_slip_from": _zero_slip(log, beside)}
     scaled = log_check.scaled(log, log_check.log_scale(log).scale)
     return scaled, log_check.steady_slip(log) if "steady" in log.rules else None, beside
 
