@@ -82,8 +82,9 @@ def settle(
         if seen:
             recorder = Recorder(machine)
             recorder.normal = frame.world_from_ground[:, 2]
-            own = [{k: v[i : i + 1] for k, v in r.items()} for r in records if r is not None]
-            approach = recorder.trajectory(own)
+            kept = [r for r in records if r is not None]
+            own = {k: np.concatenate([r[k][i : i + 1] for r in kept], axis=1) for k in kept[0]}
+            approach = recorder.sensed(own)
         first, second = fleet.steady()[i].tolist()
         start = Start(
             state=fleet.state[i].copy(),

@@ -8,11 +8,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.compute.quaternion import cross, rotated, x_axis
+from twin.compute.compiled import inlined_law, law
+from twin.compute.quaternion import x_axis
 from twin.env.fleet import Fleet, Start
 from twin.env.grounds import Ground
 from twin.env.quantities import DRAFT, TORQUE, Ids, powers, true
 from twin.machine.build import Machine
+from twin.physics import rigid
 from twin.simulation.driver import HitchControl
 
 Array = NDArray[np.float64]
@@ -70,8 +72,9 @@ class TorqueFleet(Fleet):
         self.tasks["hitch"], self.tasks["throttle"] = HitchControl.RAISED, 0.0
         self.tasks["clutch_pedal"], self.tasks["brakes"] = 1.0, False
         self.tasks["differential_lock"] = self.tasks["front_drive"] = False
-        self.motors = [model.actuator(name).id for name in ("torque_left", "torque_right")]
-        self.spins = [model.joint(f"{wheel}_spin").dofadr[0] for wheel in ("rl", "rr")]
+        named = ("torque_left", "torque_right")
+        self.motors = np.array([model.actuator(name).id for name in named])
+        self.spins = np.array([model.joint(f"{w}_spin").dofadr[0] for w in ("rl", "rr")], np.int64)
         body = model.body("tractor").id
         self.pulled = self.batch.bind("xfrc_applied")[:, body]
         self.arm_m = np.array(DRAWBAR_M) - model.body_ipos[body]
@@ -95,16 +98,17 @@ class TorqueFleet(Fleet):
 
     def act(self, actions: Array) -> None:
         """Torques of the rear wheels, the engine's own shaft free; the cultivator pulls."""
-        self._pull()
+        pull(
+            actions, self.qpos, self.velocity, self.draft_scale, self.arm_m, self.motors,
+            self.draft, self.pulled, self.ctrl,
+        )  # fmt: skip
         self.torques = actions.copy()
         self.control()
-        self.ctrl[:, self.motors] = STALL_NM * actions
 
     def look(self, ids: Ids, out: Array) -> None:
         """As a fleet's, with the cultivator's draft and the motors' torque."""
         true(*self.reported, self.driven, ids, out)
-        torque = STALL_NM * self.torques[ids] - DRAG_NMSPM * self.qvel[ids][:, self.spins]
-        out[DRAFT, ids], out[TORQUE, ids] = self.draft[ids], torque[:, 0] + torque[:, 1]
+        towed(ids, self.torques, self.qvel, self.spins, self.draft, out)
         powers(ids, LEAST_W, out)
 
     def _draft(self) -> Array:
@@ -112,10 +116,56 @@ class TorqueFleet(Fleet):
         (ax, ay, az), (vx, vy, vz) = x_axis(*self.qpos[:, 3:7].T), self.velocity
         return draft_n(self.draft_scale, ax * vx + ay * vy + az * vz)
 
-    def _pull(self) -> None:
-        """The cultivator's force for the next control step, moved to the body's centre of mass."""
-        attitude = self.qpos[:, 3:7]
-        ahead, self.draft = np.stack(x_axis(*attitude.T), axis=-1), self._draft()
-        force = -self.draft[:, None] * ahead
-        self.pulled[:, :3] = force
-        self.pulled[:, 3:] = cross(rotated(attitude, self.arm_m), force)
+
+_draft_n, _x_axis = inlined_law(draft_n), inlined_law(x_axis)
+
+
+@law
+def pull(
+    actions: Array,
+    qpos: Array,
+    velocity: Array,
+    draft_scale: Array,
+    arm_m: Array,
+    motors: Ids,
+    draft: Array,
+    pulled: Array,
+    ctrl: Array,
+) -> None:
+    """The cultivator's force for the next control step, and the motors' controls, of all.
+
+    Args:
+        actions: torques at rest over the largest (nsim, 2).
+        qpos: positions (nsim, nq), with the attitude q after the place.
+        velocity: of the rear axle (3, nsim) [m/s].
+        draft_scale: F (nsim,).
+        arm_m: drawbar from the body's centre of mass, body axes (3,).
+        motors: the motors' actuators.
+        draft: written (nsim,) [N].
+        pulled: written, force at the centre of mass and torque about it (nsim, 6).
+        ctrl: written, the actuators' controls (nsim, nu).
+    """
+    arm = (arm_m[0], arm_m[1], arm_m[2])
+    for i in range(len(actions)):
+        w, x, y, z = qpos[i, 3], qpos[i, 4], qpos[i, 5], qpos[i, 6]
+        ax, ay, az = _x_axis(w, x, y, z)
+        speed = ax * velocity[0, i] + ay * velocity[1, i] + az * velocity[2, i]
+        draft[i] = _draft_n(draft_scale[i], speed)
+        force = rigid.scaled(-draft[i], (ax, ay, az))
+        twice = rigid.scaled(2.0, rigid.cross((x, y, z), arm))  # the rotation, as in `rotated`
+        turned = rigid.plus(arm, rigid.scaled(w, twice))
+        turned = rigid.plus(turned, rigid.cross((x, y, z), twice))
+        torque = rigid.cross(turned, force)
+        for k in range(3):
+            pulled[i, k], pulled[i, 3 + k] = force[k], torque[k]
+        for k in range(2):
+            ctrl[i, motors[k]] = STALL_NM * actions[i, k]
+
+
+@law
+def towed(ids: Ids, torques: Array, qvel: Array, spins: Ids, draft: Array, out: Array) -> None:
+    """The draft and the torque of both motors of some tractors, into rows of TRUE."""
+    for i in ids:
+        left = STALL_NM * torques[i, 0] - DRAG_NMSPM * qvel[i, spins[0]]
+        right = STALL_NM * torques[i, 1] - DRAG_NMSPM * qvel[i, spins[1]]
+        out[DRAFT, i], out[TORQUE, i] = draft[i], left + right
