@@ -35,8 +35,8 @@ def bits(starts):
         (
             start.state.tobytes(),
             start.frame.quaternion.tobytes(),
-            start.driver.tobytes(),
-            start.pedal.tobytes(),
+            start.driver.item(),  # between its fields there may be anything
+            start.pedal.item(),
             start.along_m,
             start.action,
             start.approach and {n: v.tobytes() for n, v in start.approach.columns.items()},
@@ -60,7 +60,7 @@ def test_a_broken_file_is_made_anew(machine, folder, broken):
     file.write_bytes(flipped if broken is None else broken)
     again = kept(machine, SHAPES, False, Fleet, lambda: settle(machine, SHAPES, False))
     assert bits(again) == bits(settled)
-    assert file.read_bytes() == whole
+    assert bits(kept(machine, SHAPES, False, Fleet, fails)) == bits(settled)
 
 
 def test_the_key_names_what_starts_depend_on(machine, folder):

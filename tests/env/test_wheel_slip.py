@@ -14,7 +14,7 @@ from twin.env.observations import (
     TORQUE_TRUTH,
 )  # fmt: skip
 from twin.env.reward import PULLING
-from twin.env.torque_fleet import draft_n
+from twin.env.towing import draft_n
 from twin.env.wheel_slip import WheelSlipEnv
 from twin.errors import BadInput, UnknownName
 

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.compute import quaternion
-from twin.env.fleet import RAISED_M, Fleet, GroundFrame, Start, lift_rad
+from twin.env.fleet import Fleet, GroundFrame, Start, lift_rad
 from twin.env.grounds import GroundShape
 from twin.env.kept_starts import kept
+from twin.env.levers import RAISED_M
 from twin.machine.build import Machine
 from twin.machine.start import RAISED_RAD
 from twin.simulation.columns import Recorder
