@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from twin.io.plain import Plain
-from twin.streams import ZERO_SLIPS
 
 COVERAGE = "within ±2 sd [%]"
 """What the share of errors within two reported standard deviations is called everywhere."""
@@ -40,6 +39,8 @@ def score_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
 
 def zero_line(scores: Mapping[str, Plain]) -> str | None:
     """Where the slip of a run or a log is zero, as a line of text; None where there is no slip."""
+    from twin.streams import ZERO_SLIPS  # heavy: a wrong name is refused without it
+
     name = scores.get("zero_slip")
     return None if name is None else f"slip is zero at: {ZERO_SLIPS.get(name, name)}"
 
