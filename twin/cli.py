@@ -47,8 +47,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "bench": ("twin.commands.bench", "measure speed and memory on this machine"),
 }
 """Subcommand -> (module with `main(args) -> status`, what it does)."""
-COMPILING_S = 75
-"""Time to compile the functions of a run where none is kept, on one core [s]: 88 s less 13 s."""
+COMPILING_S = 35
+"""Time to compile the functions of a run where none is kept, on one core [s]."""
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 

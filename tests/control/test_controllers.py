@@ -15,7 +15,7 @@ from twin.control.controllers import (
     SlidingMode,
 )
 from twin.control.trials import drive
-from twin.env.fleet import depth_set_m
+from twin.env.levers import depth_set_m
 from twin.env.vector import PloughVectorEnv
 from twin.errors import BadInput
 

@@ -9,8 +9,9 @@ import pytest
 
 from twin import sensors
 from twin.env import grounds, reward, starts
-from twin.env.fleet import Fleet, GroundFrame, depth_set_m, governor, levers, lift_rad
+from twin.env.fleet import Fleet, GroundFrame, levers, lift_rad
 from twin.env.instruments import Instruments
+from twin.env.levers import depth_set_m, governor
 from twin.env.quantities import PLACE, TRUE, powers
 from twin.env.starts import APPROACH_S
 from twin.machine.geometry import geometry
@@ -158,7 +159,7 @@ def test_instruments_see_what_a_whole_run_would(machine, begin):
     rest = recorder.trajectory(records)
     whole = Trajectory(
         np.concatenate([begin.approach.epoch_ns, rest.epoch_ns]),
-        {n: np.concatenate([begin.approach[n], rest[n]]) for n in rest.columns},
+        {n: np.concatenate([begin.approach[n], rest[n]]) for n in begin.approach.columns},
     )
     config = machine.scenario.sensors
     streams = sensors.sample(config, sensors.init(config, 6), whole)[1]

@@ -14,12 +14,13 @@ from twin.env.observations import (
     TORQUE_TRUTH,
 )  # fmt: skip
 from twin.env.reward import PULLING
-from twin.env.torque_fleet import Pulled, draft_n
+from twin.env.torque_fleet import pulled_law
+from twin.env.towing import draft_n
 from twin.env.wheel_slip import WheelSlipEnv
 from twin.errors import BadInput, UnknownName
 from twin.vehicle import files
 
-PULLED = Pulled.of(files.implement("cultivator_light"))
+PULLED = pulled_law(files.implement("cultivator_light"))
 LEVEL = {"field.cross_slope_deg": 0.0, "field.grade_deg": 0.0, "field.patches": ()}
 DRY = {"soil.preset": "dry", "soil.friction": 0.88, "soil.cone_index_kpa": 1200.0}
 

@@ -151,3 +151,47 @@ def test_a_speed_without_a_direction_gives_slip(tmp_path):
     ground, wheel = paired_speeds(log.streams)
     assert np.nanmedian(1.0 - ground / wheel) == pytest.approx(SLIP, abs=0.005)
     assert any("stands along east" in note for note in log.notes)
+
+
+@pytest.mark.parametrize("speed_mps", [0.2, 0.35, 0.55])
+def test_wheels_that_read_zero_while_the_machine_creeps(tmp_path, speed_mps):
+    t = np.arange(120) * 0.5
+    columns = {
+        "t": t, "lat": 48.0 + speed_mps * t / 111_200.0, "lon": np.full(120, 9.0),
+        "v": np.full(120, speed_mps), "course": np.zeros(120), "wheel": np.zeros(120),
+    }  # fmt: skip
+    log = read(written(tmp_path, columns), mapped(tmp_path))
+    assert "wheels" not in log.streams
+    assert any("below the sensor's cut-off" in note for note in log.notes)
+
+
+def test_a_machine_that_stands_has_wheels_that_stand(tmp_path):
+    columns = drive()
+    for name in ("v", "wheel"):
+        columns[name][200:260] = 0.0
+    columns["v"][200:260] = 0.02
+    for name in ("lat", "lon"):
+        columns[name][200:260] = columns[name][200]
+    log = read(written(tmp_path, columns), mapped(tmp_path))
+    assert len(log.streams["wheels"]["epoch_ns"]) == 600
+
+
+def test_a_time_that_is_a_thousand_times_too_long(tmp_path):
+    columns = drive(rate_hz=1.0)
+    columns["t"] = columns["t"] * 1000.0
+    assert "ms taken for s" in notes(tmp_path, columns)
+
+
+def test_a_velocity_that_turns_is_no_spike_and_one_that_leaps_is(tmp_path):
+    columns = drive(rate_hz=1.0)
+    turn = np.cumsum(np.where(np.arange(120) % 17 == 0, 1.5, 0.1))
+    columns["ve"], columns["vn"] = columns["v"] * np.cos(turn), columns["v"] * np.sin(turn)
+    columns["ve"][60] = 25.0
+    text = (
+        '[log]\ntime = {column = "t", unit = "s"}\n[gnss]\nv_east = {column = "ve", unit = "m/s"}\n'
+    )
+    text += 'v_north = {column = "vn", unit = "m/s"}\n'
+    log = read(written(tmp_path, columns), mapped(tmp_path, text))
+    assert np.flatnonzero(np.isnan(log.streams["gnss"]["v_north_mps"])).tolist() in ([60], [])
+    assert len(log.streams["gnss"]["epoch_ns"]) == 119
+    assert any(n.startswith("1 of 120 rows left out: column 've', row 61") for n in log.notes)

@@ -10,6 +10,8 @@ from twin.logs import Reading, found_in, read
 from twin.logs.readers import bus_parameters as bus
 from twin.logs.readers.can_bus import joined
 
+can = pytest.importorskip("can")
+
 REAL = Path(__file__).parents[3] / "shared" / "data" / "jd5055e_bus.candump"
 DBC = """VERSION ""
 BU_: E
@@ -123,7 +125,6 @@ def test_a_dbc_says_what_is_in_frames(tmp_path):
 
 @pytest.mark.parametrize("suffix", ["asc", "blf", "trc"])
 def test_other_kinds_of_traces(tmp_path, suffix):
-    can = pytest.importorskip("can")
     path = tmp_path / f"bus.{suffix}"
     with can.Logger(str(path)) as logger:
         for i in range(9):

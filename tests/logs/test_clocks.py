@@ -96,6 +96,7 @@ def test_a_column_of_two_files_says_of_which(tmp_path):
 
 @pytest.mark.skipif(not FIELD_LOG.exists(), reason="the field log is not beside the checkout")
 def test_a_real_log_as_bus_and_receiver_with_clocks_apart(tmp_path):
+    pytest.importorskip("can")
     log = read(FIELD_LOG, ROOT / "examples" / "t7165s.toml")
     tables = {name: dict(table) for name, table in log.streams.tables.items()}
     gnss = tables.pop("gnss")

@@ -95,3 +95,11 @@ def test_no_fix_is_not_a_position(tmp_path):
     log = read(write(tmp_path, "GNGGA,101459.00,,,,,0,00,,,M,,M,,", gga("101500.00")))
     assert np.isnan(log.streams["gnss"]["east_m"]).tolist() == [True, False]
     assert log.streams["gnss"]["quality"].tolist() == [0, 4]
+
+
+def test_a_time_out_of_order_is_told_once(tmp_path):
+    times = [f"1015{s:02d}.00" for s in (*range(30), 12, *range(30, 59))]
+    log = read(write(tmp_path, *map(gga, times)))
+    said = [note for note in log.notes if "out of order" in note]
+    assert len(said) == 1
+    assert said[0].startswith("1 of 60 rows left out")

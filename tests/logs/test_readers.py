@@ -9,7 +9,8 @@ import pytest
 
 from twin import cli
 from twin.errors import BadInput, UnknownName
-from twin.logs import READERS, Reader, Signal, read, reader
+from twin.logs import READERS, Found, Reader, Signal, read, reader
+from twin.logs.losses import Loss
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MAP = """
@@ -127,6 +128,29 @@ def test_a_reader_may_bring_its_own_map_and_the_user_the_set_up(tmp_path):
     assert log.setup.wheelbase_m == 3.1
     with pytest.raises(BadInput, match="own log needs a column map"):
         read(path, None, Own())
+
+
+class Whole(Own):
+    def whole(self, path):
+        return read(*write(path.parent / "inner"), Own())
+
+
+class Losing(Own):
+    def found(self, path, reading):
+        loss = Loss("lines", np.array([4, 9]), 200, "line 4 is torn")
+        return Found(signals=signals(), losses=(loss,), notes=("read in two passes",))
+
+
+def test_a_reader_may_give_a_whole_log_or_say_what_it_left_out(tmp_path):
+    (tmp_path / "inner").mkdir()
+    path, other = write(tmp_path)
+    assert set(read(path, None, Whole()).streams.tables) == {"gnss", "wheels"}
+    with pytest.raises(BadInput, match="leave the column map out"):
+        read(path, other, Whole())
+    log = read(path, other, Losing())
+    assert {"read in two passes", "2 of 200 rows left out: line 4 is torn"} <= set(log.notes)
+    with pytest.raises(BadInput, match="line 4 is torn"):
+        read(path, other, Losing(), strict=True)
 
 
 def test_the_twins_own_stand_in_one_registry(tmp_path):

@@ -37,6 +37,10 @@ def log_of(tmp_path, lines, binary=b""):
         ("PASHR,100000.00,123.40,T,1.0,2.0,0.0,0.1,0.1,0.2,2,1", 123.4),
         ("PASHR,100000.00,123.40,T,1.0,2.0,0.0,0.1,0.1,0.2,0,1", None),
         ("GNHDT,,T", None),
+        ("GNTRA,100000.00,123.4,0.1,0.2,4,12,1.0,0001", 123.4),
+        ("GNHPR,100000.00,123.4,0.1,0.2,4,12,1.0,0001", 123.4),
+        ("GNHPR,100000.00,0.0,0.0,0.0,0,12,1.0,0001", None),
+        ("PTNL,AVR,100000.00,+123.4,Yaw,+0.1,Tilt,,,1.2,3,2.5,6", 123.4),
     ],
 )
 def test_headings(tmp_path, body, heading_deg):
@@ -177,3 +181,26 @@ def test_ubx_messages_and_their_headings(tmp_path):
     np.testing.assert_allclose(gnss["v_north_mps"], 2.0)
     np.testing.assert_allclose(gnss["heading_rad"][:19], math.radians(60.0), atol=1e-6)
     assert READERS["ubx"].fits(path, content[:64])
+
+
+@pytest.mark.parametrize(
+    "body", ["GPVTG,0.0,,,,4.0,,7.4,", "GPVTG,0.0,,4.0,7.4", "GPVTG,0.0,T,,M,4.0,N,7.4,K"]
+)
+def test_old_and_blank_forms_of_vtg(tmp_path, body):
+    gnss = log_of(tmp_path, [sentence(b) for s in range(9) for b in (gga(s), body)]).streams["gnss"]
+    np.testing.assert_allclose(gnss["v_north_mps"], 7.4 / 3.6)
+
+
+def test_gll_and_a_date_from_zda(tmp_path):
+    lines = [
+        sentence(body)
+        for s in range(20)
+        for body in (
+            f"GNZDA,1000{s:05.2f},14,06,2024,00,00",
+            f"GNGLL,52{30 + 2 * s / 1852:011.8f},N,01315.0,E,1000{s:05.2f},A,A",
+        )
+    ]
+    gnss = log_of(tmp_path, lines).streams["gnss"]
+    assert gnss["epoch_ns"][0] == 1_718_359_200 * 10**9
+    assert len(gnss["epoch_ns"]) == 20
+    np.testing.assert_allclose(gnss["v_north_mps"][1:-1], 2.0, atol=0.01)

@@ -1,9 +1,14 @@
 """Rows are not sacred: what is left out, what is a hole, and that the rest stays right."""
 
+import codecs
+import time
+import tracemalloc
+
 import numpy as np
 import pytest
 from drives import MAP, SLIP, as_text, drive, mapped, written
 
+from twin import cli
 from twin.errors import BadInput
 from twin.logs import paired_speeds, read
 
@@ -239,3 +244,61 @@ def test_of_two_columns_of_one_name_the_map_says_which(tmp_path):
     with pytest.raises(BadInput, match=r"two columns are called 'v'; say 'v \(1\)'"):
         read(path, mapped(tmp_path))
     assert right(read(path, mapped(tmp_path, MAP.replace('"v"', '"v (1)"'))))
+
+
+@pytest.mark.parametrize("end", [b"\0", b"\0\0\0", b"1\0", b"\xff"])
+def test_utf_16_that_is_cut(tmp_path, end):
+    path = tmp_path / "log.csv"
+    path.write_bytes(as_text(drive()).encode("utf-16") + end)
+    assert right(read(path, mapped(tmp_path)))
+
+
+def test_a_byte_order_mark_before_text_that_is_no_utf_8(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_bytes(codecs.BOM_UTF8 + as_text({**drive(), "°C": np.ones(600)}).encode("cp1252"))
+    assert right(read(path, mapped(tmp_path)))
+
+
+def test_a_refused_log_leaves_nothing(tmp_path, capsys):
+    columns = drive()
+    columns["v"][5] = 300.0
+    path, out = written(tmp_path, columns), tmp_path / "out"
+    words = ["estimate", str(path), "--map", str(mapped(tmp_path)), "--out", str(out)]
+    assert cli.main([*words, "--strict", "--quiet"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "row 6: 300 m/s is 1080 km/h" in said
+    assert not out.exists()
+
+
+@pytest.mark.slow
+def test_a_long_table_takes_little_time_and_memory(tmp_path):
+    columns = drive(seconds=40_000.0, rate_hz=5.0)
+    path, column_map = written(tmp_path, columns), mapped(tmp_path)
+    read(path, column_map)  # imports
+    tracemalloc.start()
+    start_s = time.process_time()
+    log = read(path, column_map)
+    used_s = time.process_time() - start_s
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(log.streams["gnss"]["epoch_ns"]) == 200_000
+    assert used_s < 0.6  # 3 s for 1e6 rows; tracing costs some
+    assert peak < 4 * path.stat().st_size
+
+
+@pytest.mark.parametrize(
+    ("date", "layout"), [("2024-06-14", ""), ("14.06.2024", "%d.%m.%Y %H:%M:%S.%f"),
+                         ("20240614", "%Y%m%d %H:%M:%S.%f")],
+)  # fmt: skip
+def test_a_date_and_a_time_of_day_in_two_columns(tmp_path, date, layout):
+    columns = drive()
+    columns["date"] = np.full(600, date, dtype=object)
+    clock = [f"10:{i // 300:02d}:{i / 5 % 60:06.3f}" for i in range(600)]
+    columns["t"] = np.array(clock, dtype=object)
+    more = f', format = "{layout}"' if layout else ""
+    text = MAP.replace('{column = "t", unit = "s"}',
+                       f'{{column = ["date", "t"], unit = "timestamp"{more}}}')  # fmt: skip
+    log = read(written(tmp_path, columns), mapped(tmp_path, text))
+    assert log.streams["wheels"]["epoch_ns"][0] == 1_718_359_200 * 10**9
+    assert right(log)

@@ -5,12 +5,14 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from scipy.fft import next_fast_len
 
 from tests.simulation.rigs import BARE, driven
 from twin.errors import BadInput
 from twin.physics import block
 from twin.scenario import Course, Field, Soil
 from twin.simulation.build import build
+from twin.terrain import maps
 from twin.terrain.maps import ground_maps
 
 FLAT = Field(roughness_class="smooth")
@@ -131,3 +133,8 @@ def test_a_flat_map_is_a_plane(tmp_path):
 def test_two_sources_of_one_map_are_refused(given, message):
     with pytest.raises(Exception, match=message):
         Field(**given)
+
+
+@pytest.mark.parametrize("count", [1, 7, 97, 1001, 4099])
+def test_sizes_are_those_whose_transform_is_fast(count: int) -> None:
+    assert maps._fast(count) == next_fast_len(count, real=True)

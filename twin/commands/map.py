@@ -42,10 +42,10 @@ def main(args: Sequence[str]) -> int:
     from twin import logs
     from twin.io.atomic import write_text
     from twin.logs.mapping import text
-    from twin.logs.mapping.guess import file_guesses
+    from twin.logs.mapping.guess import guesses
 
     found = logs.found_in_all(options.log, logs.Reading(dbc=options.dbc))
-    told = file_guesses(found)
+    told = {name: guesses(each) for name, each in found.items()}
     write_text(out, text.map_of(told, tuple(str(d.resolve()) for d in options.dbc)))
     if not options.quiet:
         listed = list(zip(*text.rows(told), strict=True))

@@ -77,7 +77,7 @@ def rotated(quaternion: Array, vector: Array) -> Array:
 
 
 def multiplied(p: Array, q: Array) -> Array:
-    """The product p q, the rotation q and then p. Shapes (4,)."""
+    """The product p q, the rotation q and then p. Shapes (4,), or (4, n) of many."""
     a, b, c, d = p
     w, x, y, z = q
     return np.array(

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.env.fleet import DEEPEST_M, RAISED_M
+from twin.env.levers import DEEPEST_M, RAISED_M
 
 Array = NDArray[np.float64]
 Seen = Mapping[str, Array]

@@ -15,6 +15,7 @@ from twin.simulation.decision import decide, observe
 from twin.simulation.records import Records
 
 Array = NDArray[np.float64]
+Single = NDArray[np.float32]
 Places = NDArray[np.int64]
 
 
@@ -101,3 +102,22 @@ def moved(
         slow = math.sqrt(x * x + y * y + z * z) < slow_mps
         standing_s[i] = standing_s[i] + dt_s if slow else 0.0
     return math.isfinite(squares)
+
+
+@law
+def pack(
+    values: Array, places: Places, low: Single, high: Single, ids: Places, out: Single
+) -> None:
+    """Observations of some tractors, clipped to the bounds.
+
+    Args:
+        values: what is known, a row each (rows, nsim).
+        places: rows of the entries, in order (entries,).
+        low, high: bounds of the box (entries,).
+        ids: which tractors.
+        out: written (len(ids), entries).
+    """
+    for k in range(len(ids)):
+        for j in range(len(places)):
+            value = np.float32(values[places[j], ids[k]])
+            out[k, j] = min(max(value, low[j]), high[j])

@@ -10,7 +10,7 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from twin.env import observations
-from twin.env.control_step import bounded
+from twin.env.control_step import bounded, pack
 from twin.env.fleet import Fleet, Start
 from twin.env.grounds import Ground, GroundShape, Recipe
 from twin.env.instruments import Instruments
@@ -132,7 +132,7 @@ class Episodes:
                     self.values[row, i] = values[name]
         out = np.empty((len(ids), len(self.packed)), dtype=np.float32)
         box = self.observation_space
-        observations.pack(self.values, self.packed, box.low, box.high, ids, out)
+        pack(self.values, self.packed, box.low, box.high, ids, out)
         return out
 
     def told(self, names: Sequence[str]) -> dict[str, Array]:

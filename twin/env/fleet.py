@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple, TypeVar
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from twin.compute import quaternion
-from twin.compute.compiled import inlined_law, law
 from twin.env.control_step import control, moved
 from twin.env.grounds import SPREAD, Ground, GroundShape
+from twin.env.levers import FASTEST, SLOWEST, Levers, lift_sine, set_levers
 from twin.env.quantities import TRUE, Ids, Reported, powers, true
 from twin.errors import BadInput
 from twin.machine.build import Machine
@@ -28,32 +27,23 @@ from twin.scenario.soils import PRESETS
 from twin.simulation.columns import Record, Recorder
 from twin.simulation.course_task import course_task
 from twin.simulation.driver import LIFT_RATE_RADPS, DriverTask, HitchControl
-from twin.simulation.records import Records, records
+from twin.simulation.records import records
 from twin.simulation.simulation import DECISION_S, VELOCITY, Simulation
 from twin.streams import WHEELS
 from twin.trajectory.trajectory import Trajectory
 
 Array = NDArray[np.float64]
-Number = TypeVar("Number", float, Array)
-
 NO_SENSORS = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
 STALL_MPS = 0.05
 """Slower than this is standing."""
 LEAST_W = 1e3
 """Power at the axle below which the traction efficiency counts as 0 [W]."""
-RAISED_M = -0.10
-"""Depth set point at which the plough is carried: the shares this much above the ground [m]."""
 OWN = {name: block.SOIL + Soil[name.upper()] for name in SPREAD}
 """Where the block has a ground's own numbers of its soil."""
 SHEARED = [block.SOIL + Soil.COHESION_PA, block.SOIL + Soil.TAN_PHI]
 """Where it has what friction scales in Bekker's law."""
 RECORDED = ("sensordata", "userdata")
 """What the sensors of an episode need of every step."""
-DEEPEST_M = 0.35
-"""Deepest depth set point of the usual implement [m]; another has its own greatest depth."""
-SLOWEST, FASTEST = 1.125, 0.99
-"""No-load engine speeds between which the throttle sets the governor: over idle, and over the
-greatest."""
 
 
 @dataclass(frozen=True)
@@ -91,27 +81,6 @@ class Start:
     """The action that keeps it rolling so."""
 
 
-class Levers(NamedTuple):
-    """What turns actions into what the engine and the hitch are set to."""
-
-    idle_rpm: float
-    no_load_rpm: float
-    """No-load engine speeds with the governor's lever at 0 and at 1."""
-    slowest_rpm: float
-    fastest_rpm: float
-    """Those that the throttle's actions -1 and 1 set."""
-    deepest_m: float
-    """Deepest depth set point."""
-    sole_m: float
-    """Sole below the hitch points, the plough level."""
-    axle_m: float
-    """Height of the axle's middle; the wheels of one side run at working depth."""
-    pivot_m: float
-    """Front pivot of the lower links above the axle."""
-    length_m: float
-    """The lower links'."""
-
-
 def levers(machine: Machine) -> Levers:
     """Those of a machine with a hitch. Raises BadInput if it has none."""
     hitch, numbers = machine.hitch, machine.numbers
@@ -139,45 +108,12 @@ def lift_rad(machine: Machine, depth_set_m: ArrayLike) -> Array:
     return np.asarray(np.arcsin(lift_sine(np.asarray(depth_set_m), levers(machine))))
 
 
-def lift_sine(depth_set_m: Number, lever: Levers) -> Number:
-    """Its sine; elementwise.
-
-    (sole below hitch - depth - axle height - link pivot height) / link length
-    """
-    rise_m = lever.sole_m - depth_set_m - lever.axle_m - lever.pivot_m
-    sine: Number = np.maximum(-1.0, np.minimum(1.0, rise_m / lever.length_m))
-    return sine
-
-
-def governor(throttle: Number, lever: Levers) -> Number:
-    """Control of a throttle action in [-1, 1], linear in the no-load speed it sets; elementwise."""
-    set_rpm = lever.slowest_rpm + 0.5 * (throttle + 1.0) * (lever.fastest_rpm - lever.slowest_rpm)
-    return (set_rpm - lever.idle_rpm) / (lever.no_load_rpm - lever.idle_rpm)
-
-
 def start_throttle(machine: Machine) -> float:
     """The throttle action that sets the scenario's engine speed."""
     set_rpm = machine.scenario.gear.set_rpm
     idle, top = (machine.numbers[f"engine.{n}_rpm"] for n in ("idle", "no_load"))
     slowest, fastest = SLOWEST * idle, FASTEST * top
     return 2.0 * (set_rpm - slowest) / (fastest - slowest) - 1.0
-
-
-def depth_set_m(hitch: Number, deepest_m: float = DEEPEST_M) -> Number:
-    """Depth set point of a hitch action in [-1, 1], up to the deepest; elementwise [m]."""
-    return RAISED_M + 0.5 * (hitch + 1.0) * (deepest_m - RAISED_M)
-
-
-_lift_sine, _governor = inlined_law(lift_sine), inlined_law(governor)
-_depth_set_m = inlined_law(depth_set_m)
-
-
-@law
-def set_levers(actions: Array, lever: Records, tasks: Records, sine: Array) -> None:
-    """Throttle of the actions into the tasks, and the sine of the lower links' angle."""
-    for i in range(len(actions)):
-        tasks[i].throttle = _governor(actions[i, 0], lever[0])
-        sine[i] = _lift_sine(_depth_set_m(actions[i, 1], lever[0].deepest_m), lever[0])
 
 
 def set_task(machine: Machine) -> DriverTask:

@@ -9,21 +9,28 @@ from __future__ import annotations
 
 import hashlib
 import inspect
+import io
 import pickle
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from llvmlite import binding
+from numpy.typing import NDArray
 
 from twin.compute import compiled
-from twin.env.fleet import Fleet, Start
+from twin.env.fleet import Fleet, GroundFrame, Start
 from twin.env.grounds import GroundShape
 from twin.errors import BadInput
 from twin.io.atomic import write_bytes
 from twin.machine.build import Machine
+from twin.trajectory.trajectory import Trajectory
 
 DIGEST_BYTES = hashlib.sha256().digest_size
+COLUMN = "column."
+"""What the name of a column of the approach begins with in a file."""
 
 
 def kept(
@@ -47,12 +54,13 @@ def kept(
     if folder is None or compiled.is_edited(source) or compiled.is_edited(Path(__file__)):
         return settle()
     path = folder / f"{_key(machine, shapes, seen, kind, source)}.starts"
-    starts = _read(path)
-    if starts is None:
-        starts = settle()
-        with suppress(BadInput):  # a full disk
-            content = pickle.dumps(starts)
-            write_bytes(path, hashlib.sha256(content).digest() + content)
+    content = _read(path)
+    if content is not None:
+        return _unpacked(content, machine, shapes)
+    starts = settle()
+    with suppress(BadInput):  # a full disk
+        content = _packed(starts)
+        write_bytes(path, hashlib.sha256(content).digest() + content)
     return starts
 
 
@@ -65,14 +73,53 @@ def _key(
     return compiled.key(source, hashlib.sha256(made_of).hexdigest(), *processor)
 
 
-def _read(path: Path) -> list[Start] | None:
-    """What a file holds; None without a whole one."""
+def _read(path: Path) -> bytes | None:
+    """What a file holds behind its checksum; None without a whole one."""
     try:
         content = path.read_bytes()
     except OSError:
         return None
     digest, content = content[:DIGEST_BYTES], content[DIGEST_BYTES:]
-    if hashlib.sha256(content).digest() != digest:
-        return None
-    starts: list[Start] = pickle.loads(content)
+    return content if hashlib.sha256(content).digest() == digest else None
+
+
+def _packed(starts: Sequence[Start]) -> bytes:
+    """Starts as the bytes of an npz file: arrays alone, nothing that is code."""
+    held: dict[str, NDArray[Any]] = {
+        name: np.array([getattr(start, name) for start in starts])
+        for name in ("state", "along_m", "driver", "pedal", "action")
+    }
+    approaches = [start.approach for start in starts if start.approach is not None]
+    if approaches:
+        held["epoch_ns"] = np.stack([each.epoch_ns for each in approaches])
+        for name in approaches[0].columns:
+            held[COLUMN + name] = np.stack([each.columns[name] for each in approaches])
+    buffer = io.BytesIO()
+    np.savez(buffer, allow_pickle=False, **held)
+    return buffer.getvalue()
+
+
+def _unpacked(content: bytes, machine: Machine, shapes: Sequence[GroundShape]) -> list[Start]:
+    """The starts that `_packed` made, one for each shape."""
+    with np.load(io.BytesIO(content), allow_pickle=False) as kept_arrays:
+        held = {name: kept_arrays[name] for name in kept_arrays.files}
+    columns = {n.removeprefix(COLUMN): c for n, c in held.items() if n.startswith(COLUMN)}
+    starts = []
+    for i, shape in enumerate(shapes):
+        first, second = held["action"][i].tolist()
+        approach = None
+        if columns:
+            own = {name: column[i] for name, column in columns.items()}
+            approach = Trajectory(held["epoch_ns"][i], own)
+        starts.append(
+            Start(
+                state=held["state"][i],
+                frame=GroundFrame.of(shape, machine.scenario.course),
+                approach=approach,
+                along_m=float(held["along_m"][i]),
+                driver=held["driver"][i],
+                pedal=held["pedal"][i],
+                action=(first, second),
+            )
+        )
     return starts

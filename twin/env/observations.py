@@ -6,14 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from gymnasium.spaces import Box
-from numpy.typing import NDArray
 
-from twin.compute.compiled import law
 from twin.streams import WHEELS
-
-Array = NDArray[np.float64]
-Single = NDArray[np.float32]
-Ids = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -106,20 +100,3 @@ def space(entries: tuple[Entry, ...]) -> Box[np.float32]:
     """The box of the entries' bounds."""
     bounds = np.array([(e.low, e.high) for e in entries], dtype=np.float32)
     return Box(bounds[:, 0], bounds[:, 1], dtype=np.float32)
-
-
-@law
-def pack(values: Array, places: Ids, low: Single, high: Single, ids: Ids, out: Single) -> None:
-    """Observations of some tractors, clipped to the bounds.
-
-    Args:
-        values: what is known, a row each (rows, nsim).
-        places: rows of the entries, in order (entries,).
-        low, high: bounds of the box (entries,).
-        ids: which tractors.
-        out: written (len(ids), entries).
-    """
-    for k in range(len(ids)):
-        for j in range(len(places)):
-            value = np.float32(values[places[j], ids[k]])
-            out[k, j] = min(max(value, low[j]), high[j])

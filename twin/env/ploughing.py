@@ -5,26 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.compute.compiled import law
-from twin.env import observations, reward
+from twin.env import judging, observations, reward
 from twin.env.episodes import Episodes, asked
 from twin.env.fleet import Fleet
 from twin.env.grounds import PLOUGHED, ground_shapes
-from twin.env.quantities import PLACE, TRUE, Ids
-from twin.machine.fuel import engine_fuel_lph, rated
+from twin.env.quantities import Ids
+from twin.machine.fuel import rated
 from twin.scenario import Course, Plough, Scenario
 from twin.simulation.build import build
-from twin.simulation.records import Records, records
+from twin.simulation.records import records
 
 Array = NDArray[np.float64]
-
-FIRST = len(TRUE)
-SLIP, SPEED, DEPTH, RADPS, ENGINE_NM, EFFICIENCY = (
-    PLACE[name]
-    for name in (
-        "slip", "speed_mps", "depth_m", "engine_radps", "engine_torque_nm", "traction_efficiency",
-    )
-)  # fmt: skip
 
 
 class Ploughing(Episodes):
@@ -71,37 +62,8 @@ class Ploughing(Episodes):
         )
 
     def judge(self, ids: Ids) -> None:
-        """As `_judge` does."""
-        _judge(
+        """As `twin.env.judging.ploughing` does."""
+        judging.ploughing(
             ids, self.width_m, self.depth_m, self.slip_target, self.engine, self.actions,
             self.fleet.lift_rad, self.values,
         )  # fmt: skip
-
-
-@law
-def _judge(
-    ids: Ids,
-    width_m: float,
-    depth_m: float,
-    slip_target: float,
-    engine: Records,
-    actions: Array,
-    lift_rad: Array,
-    out: Array,
-) -> None:
-    """Work rate and fuel; the terms of the reward and their sum; the task. Rows as in PLACE."""
-    for i in ids:
-        radps, depth = out[RADPS, i], out[DEPTH, i]
-        rate = reward.work_rate_m2ps(out[SPEED, i], depth, width_m, depth_m)
-        terms = reward.ploughing(
-            rate, out[EFFICIENCY, i], out[SLIP, i], depth, slip_target, depth_m
-        )
-        total = 0.0
-        for k in range(len(terms)):
-            out[FIRST + 2 + k, i] = terms[k]
-            total += terms[k]
-        out[FIRST, i] = rate * 0.36
-        out[FIRST + 1, i] = engine_fuel_lph(engine[0], out[ENGINE_NM, i] * radps, radps)
-        out[FIRST + 6, i] = total
-        out[FIRST + 7, i], out[FIRST + 8, i] = actions[i, 0], lift_rad[i]
-        out[FIRST + 9, i], out[FIRST + 10, i] = slip_target, depth_m

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.compute.compiled import law
-from twin.env import observations, reward
+from twin.env import judging, observations, reward
 from twin.env.episodes import Episodes, asked
 from twin.env.grounds import ROLLED, ground_shapes
-from twin.env.quantities import PLACE, TRUE, Ids
+from twin.env.quantities import Ids
 from twin.env.torque_fleet import USUAL_IMPLEMENT, TorqueFleet, motors
 from twin.scenario import Course, Drive, Scenario, Soil
 from twin.sensors import Imu, Sensors
@@ -19,8 +18,6 @@ from twin.vehicle import files
 Array = NDArray[np.float64]
 
 USUAL_MACHINE = "electric_tractor"
-FIRST = len(TRUE)
-SLIP_RL, SLIP_RR, V_Y = (PLACE[name] for name in ("slip_rl", "slip_rr", "v_y_rear_mps"))
 
 
 class Pulling(Episodes):
@@ -70,19 +67,5 @@ class Pulling(Episodes):
         )
 
     def judge(self, ids: Ids) -> None:
-        """As `_judge` does."""
-        _judge(ids, self.slip_target, self.actions, self.values)
-
-
-@law
-def _judge(ids: Ids, slip_target: float, actions: Array, out: Array) -> None:
-    """The terms of the reward and their sum; the task. Rows as in PLACE."""
-    for i in ids:
-        terms = reward.pulling(out[SLIP_RL, i], out[SLIP_RR, i], out[V_Y, i], slip_target)
-        total = 0.0
-        for k in range(len(terms)):
-            out[FIRST + k, i] = terms[k]
-            total += terms[k]
-        out[FIRST + 3, i] = total
-        out[FIRST + 4, i], out[FIRST + 5, i] = actions[i, 0], actions[i, 1]
-        out[FIRST + 6, i] = slip_target
+        """As `twin.env.judging.pulling` does."""
+        judging.pulling(ids, self.slip_target, self.actions, self.values)

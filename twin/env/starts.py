@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.compute import quaternion
-from twin.env.fleet import RAISED_M, Fleet, GroundFrame, Start, lift_rad
+from twin.env.fleet import Fleet, GroundFrame, Start, lift_rad
 from twin.env.grounds import GroundShape
 from twin.env.kept_starts import kept
+from twin.env.levers import RAISED_M
 from twin.machine.build import Machine
 from twin.machine.start import RAISED_RAD
 from twin.simulation.columns import Recorder
@@ -82,8 +83,9 @@ def settle(
         if seen:
             recorder = Recorder(machine)
             recorder.normal = frame.world_from_ground[:, 2]
-            own = [{k: v[i : i + 1] for k, v in r.items()} for r in records if r is not None]
-            approach = recorder.trajectory(own)
+            kept = [r for r in records if r is not None]
+            own = {k: np.concatenate([r[k][i : i + 1] for r in kept], axis=1) for k in kept[0]}
+            approach = recorder.sensed(own)
         first, second = fleet.steady()[i].tolist()
         start = Start(
             state=fleet.state[i].copy(),

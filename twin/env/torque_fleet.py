@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.compute.quaternion import cross, rotated, x_axis
+from twin.compute.quaternion import x_axis
 from twin.env.fleet import Fleet, Start
 from twin.env.grounds import Ground
-from twin.env.quantities import DRAFT, TORQUE, Ids, powers, true
+from twin.env.quantities import Ids, powers, true
+from twin.env.towing import Pulled, draft_n, pull, towed
 from twin.errors import BadInput
 from twin.machine.build import Machine
 from twin.simulation.driver import HitchControl
@@ -33,37 +33,17 @@ SPEED_GAIN_PS = 2.0
 """Action per speed error, before an episode [s/m]."""
 LEAST_W = 10.0
 """Power of both motors below which the efficiency counts as 0 [W]."""
-STANDING_MPS = 0.1
-"""Below this the draft fades, so that it holds nothing the other way [m/s]."""
 
 
-@dataclass(frozen=True)
-class Pulled:
-    """An implement that is pulled at the drawbar, at its least depth."""
+def pulled_law(part: Implement) -> Pulled:
+    """Draft of an implement at its least depth, by ASABE D497 with S in km/h.
 
-    at_rest_n: float
-    """Draft at rest in a soil of F = 1."""
-    per_mps: float
-    per_mps2: float
-    """Its growth with speed, and with speed squared."""
-
-    @classmethod
-    def of(cls, part: Implement) -> Pulled:
-        """By ASABE D497: F (A + B S + C S**2) W T, with S in km/h."""
-        n = derive_implement(part)
-        size = n["bodies"] * n["draft.width"] * 100.0 * n["depth_m.least"]
-        return cls(size * n["draft.a"], size * 3.6 * n["draft.b"], size * 3.6 * 3.6 * n["draft.c"])
-
-
-def draft_n(scale: Array, speed_mps: Array, pulled: Pulled) -> Array:
-    """Draft of the implement against the motion, (nsim,).
-
-    D = F (A + B v + C v^2)          times v / 0.1 m/s below 0.1 m/s
+    D = F (A + B S + C S^2) W T
     """
-    fade = np.minimum(1.0, np.maximum(-1.0, speed_mps / STANDING_MPS))
-    still = pulled.at_rest_n + pulled.per_mps2 * speed_mps * speed_mps
-    drawn: Array = scale * (still + pulled.per_mps * speed_mps) * fade
-    return drawn
+    n = derive_implement(part)
+    size = n["bodies"] * n["draft.width"] * 100.0 * n["depth_m.least"]
+    a, b, c = (n[f"draft.{name}"] for name in "abc")
+    return Pulled(size * a, size * 3.6 * b, size * 3.6 * 3.6 * c)
 
 
 def motors(machine: Machine) -> Machine:
@@ -103,13 +83,13 @@ class TorqueFleet(Fleet):
         """As a fleet's; `implement` is what each pulls, None for the usual one."""
         super().__init__(machine, nsim, nthread, sensed=sensed)
         model = machine.model
-        self.implement = Pulled.of(implement or files.implement(USUAL_IMPLEMENT))
+        self.implement = pulled_law(implement or files.implement(USUAL_IMPLEMENT))
         self.tasks["hitch"], self.tasks["throttle"] = HitchControl.RAISED, 0.0
         self.tasks["clutch_pedal"], self.tasks["brakes"] = 1.0, False
         self.tasks["differential_lock"] = self.tasks["front_drive"] = False
-        self.motors = [model.actuator(name).id for name in MOTORS]
+        self.motors = np.array([model.actuator(name).id for name in MOTORS])
         self.stall_nm = float(model.actuator_ctrlrange[self.motors[0], 1])
-        self.spins = [model.joint(f"{wheel}_spin").dofadr[0] for wheel in ("rl", "rr")]
+        self.spins = np.array([model.joint(f"{w}_spin").dofadr[0] for w in ("rl", "rr")], np.int64)
         body = model.body("tractor").id
         self.pulled = self.batch.bind("xfrc_applied")[:, body]
         radius_m = 0.5 * machine.numbers["tyre_rear.diameter_m"]
@@ -134,28 +114,21 @@ class TorqueFleet(Fleet):
 
     def act(self, actions: Array) -> None:
         """Torques of the rear wheels, the engine's own shaft free; the cultivator pulls."""
-        self._pull()
+        pull(
+            actions, self.stall_nm, self.implement, self.qpos, self.velocity, self.draft_scale,
+            self.arm_m, self.motors, self.draft, self.pulled, self.ctrl,
+        )  # fmt: skip
         self.torques = actions.copy()
         self.control()
-        self.ctrl[:, self.motors] = self.stall_nm * actions
 
     def look(self, ids: Ids, out: Array) -> None:
         """As a fleet's, with the cultivator's draft and the motors' torque."""
         true(*self.reported, self.driven, ids, out)
-        drag = self.stall_nm / UNLOADED_RADPS
-        torque = self.stall_nm * self.torques[ids] - drag * self.qvel[ids][:, self.spins]
-        out[DRAFT, ids], out[TORQUE, ids] = self.draft[ids], torque[:, 0] + torque[:, 1]
+        drag_nmspm = self.stall_nm / UNLOADED_RADPS
+        towed(ids, self.torques, self.stall_nm, drag_nmspm, self.qvel, self.spins, self.draft, out)
         powers(ids, LEAST_W, out)
 
     def _draft(self) -> Array:
         """The cultivator's draft at the speed of now. Shape (nsim,)."""
         (ax, ay, az), (vx, vy, vz) = x_axis(*self.qpos[:, 3:7].T), self.velocity
         return draft_n(self.draft_scale, ax * vx + ay * vy + az * vz, self.implement)
-
-    def _pull(self) -> None:
-        """The cultivator's force for the next control step, moved to the body's centre of mass."""
-        attitude = self.qpos[:, 3:7]
-        ahead, self.draft = np.stack(x_axis(*attitude.T), axis=-1), self._draft()
-        force = -self.draft[:, None] * ahead
-        self.pulled[:, :3] = force
-        self.pulled[:, 3:] = cross(rotated(attitude, self.arm_m), force)

@@ -98,6 +98,7 @@ def found_in(path: Path, reading: Reading | None = None, reader: Reader | None =
     """All that a file holds, before any map. Raises BadInput."""
     by = reader or fitting(path)
     if isinstance(by, RunFolder):
+        by.whole(path)  # says what else the directory is
         raise BadInput("a run folder names its own columns; it needs no map")
     found = _by(by, lambda: by.found(path, reading or Reading()))
     signals = {name: checked(name, signal) for name, signal in found.signals.items()}

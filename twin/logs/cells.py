@@ -61,6 +61,16 @@ Cells = Text | Array
 """One column: text cells, or an array of numbers or datetime64."""
 
 
+def side_by_side(columns: Sequence[Cells]) -> Text:
+    """The cells of several columns as one text, with blanks between."""
+    parts = [
+        [c or "" for c in column.cells.to_pylist()] if isinstance(column, Text)
+        else [str(c) for c in column.tolist()]
+        for column in columns
+    ]  # fmt: skip
+    return Text.of([" ".join(cells).strip() for cells in zip(*parts, strict=True)])
+
+
 def quoted(cell: object) -> str:
     """A cell as a message shows it: one line, not too long."""
     text = repr(str(cell))

@@ -62,6 +62,8 @@ class Source:
     """Cells that stand for no value."""
     layout: str = ""
     """Of a timestamp, as strftime writes it."""
+    more: tuple[str, ...] = ()
+    """Further columns of a time in parts, as a date and a time of day."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,6 +91,7 @@ class ColumnMap:
         sources = [s for section in self.columns.values() for s in section.values()]
         sources += [*self.times.values(), *([self.time] if self.time else [])]
         names = {*(s.column for s in sources), *self.labels.values()}
+        names |= {column for source in sources for column in source.more}
         return frozenset(names | {n.partition(":")[2] for n in names if ":" in n})
 
 
@@ -187,7 +190,10 @@ def _source(
     given = _table(raw, where)
     more = ("format",) if time else ("scale", "offset", "sign", "missing")
     _known(given, f"key of {where}", ("column", "unit", *more, *["convention"] * bearing))
-    column, unit = _text(f"{where}.column", given.get("column")), given.get("unit")
+    columns, unit = given.get("column"), given.get("unit")
+    if not (time and isinstance(columns, list) and columns):
+        columns = [columns]
+    column, *rest = (_text(f"{where}.column", each) for each in columns)
     if unit is None:
         raise BadInput(f"{where} has no unit; one of {', '.join(units)} will do")
     if not isinstance(unit, str) or unit not in tuple(units):
@@ -207,6 +213,7 @@ def _source(
         offset=_number(f"{where}.offset", given.get("offset", 0.0)) * int(sign),
         missing=tuple(_number(f"{where}.missing", m) for m in codes),
         layout=_text(f"{where}.format", given["format"], "format") if "format" in given else "",
+        more=tuple(rest),
     )  # fmt: skip
 
 

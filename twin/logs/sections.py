@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.errors import BadInput, UnknownName
-from twin.logs.cells import kept, quoted
+from twin.logs.cells import kept, quoted, side_by_side
 from twin.logs.checks import carried
 from twin.logs.checks.counters import unwrapped
 from twin.logs.checks.spikes import spikes
@@ -45,6 +45,7 @@ class Columns:
         self.shift_ns = 0
         """What is taken off the file's clock."""
         self._stamps: dict[str, Stamps] = {}
+        self._clocks: dict[int, NDArray[np.int64]] = {}
         self._uses = Counter(
             s.column for section in columns_of.columns.values() for s in section.values()
         )
@@ -67,7 +68,9 @@ class Columns:
             return Timed(rows, table.epoch_ns - self.shift_ns, self._numbers(table.kept))
         numbered = np.arange(1, len(signal.epoch_ns) + 1)
         rising, losses = in_order(name, signal.epoch_ns, numbered, name, len(numbered))
-        self._told.losses += losses
+        if id(signal.epoch_ns) not in self._clocks:  # signals of one source share their times
+            self._clocks[id(signal.epoch_ns)] = signal.epoch_ns
+            self._told.losses += losses
         rows = Signal(kept(signal.cells, rising), signal.epoch_ns[rising])
         return Timed(rows, signal.epoch_ns[rising] - self.shift_ns, numbered[rising])
 
@@ -92,8 +95,12 @@ class Columns:
         if time is None:
             raise BadInput('the column map has no [log] time = {column = "...", unit = "s"}')
         if time.column not in self._stamps:
-            signal = named(time.column, self.found.signals, "log.time")
-            made = stamps(time.column, signal.cells, time.unit, time.layout, self.found.row, "log")
+            parts = [
+                named(column, self.found.signals, "log.time").cells
+                for column in (time.column, *time.more)
+            ]
+            cells = parts[0] if len(parts) == 1 else side_by_side(parts)
+            made = stamps(time.column, cells, time.unit, time.layout, self.found.row, "log")
             self._told.losses += made.losses
             self._stamps[time.column] = made
         return self._stamps[time.column]
@@ -187,20 +194,32 @@ def _drop_spikes(
         return
     time_s = (table["epoch_ns"] - table["epoch_ns"][0]) * 1e-9
     for key, source in sources.items():
-        quantity = QUANTITIES[section][key]
-        place = key in ("east", "north")
-        speed = quantity.dimension == "speed" and not key.endswith("_sd")
-        if quantity.column not in table or not (speed or place):
+        columns = _judged_by(key, table)
+        if not columns:
             continue
-        values = table[quantity.column]
-        found = spikes(values, time_s, "position" if place else section)
+        size = np.hypot(*(table[c] for c in columns)) if len(columns) > 1 else table[columns[0]]
+        found = spikes(size, time_s, "position" if key in ("east", "north") else section)
         if found.any():
             row = at[int(np.argmax(found))]
             says = (
                 f"column {quoted(source.column)}, row {row}: a single value far from its neighbours"
             )
-            told.losses.append(Loss("log", at[found], len(values), says))
-            table[quantity.column] = np.where(found, np.nan, values)
+            told.losses.append(Loss("log", at[found], len(size), says))
+            for column in columns:
+                table[column] = np.where(found, np.nan, table[column])
+
+
+def _judged_by(key: str, table: Table) -> tuple[str, ...]:
+    """The columns in which a spike shows: a velocity turns, and only its size tells."""
+    if key == "v_east":
+        columns: tuple[str, ...] = ("v_east_mps", "v_north_mps")
+    elif key in ("east", "north"):
+        columns = (f"{key}_m",)
+    elif key in ("speed", "driven_speed", "v_forward") or key.startswith("speed_"):
+        columns = (f"{key}_mps",) if key != "speed_sd" else ()
+    else:
+        columns = ()
+    return columns if set(columns) <= set(table) else ()
 
 
 def _brought(

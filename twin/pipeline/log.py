@@ -62,7 +62,7 @@ def estimate(
         truth=reference,
         estimates=done.tables,
         wall_s=time.perf_counter() - start,
-        notes=(*log.notes, *done.notes, *([odd] if odd else []), *_loud(log, done.tables)),
+        notes=(*log.notes, *done.notes, *([odd] if odd else []), *loud(log, done.tables)),
         failed=done.failed,
         name=files[0].resolve().stem,
         found=beside | findings(log, done.tables, steady, protocol_spans_ns(beside)),
@@ -73,7 +73,7 @@ LOUD_SLIP = 0.25
 """Median slip that no work in a field has; most often a unit or a radius is wrong."""
 
 
-def _loud(log: Log, estimates: Mapping[str, Table]) -> list[str]:
+def loud(log: Log, estimates: Mapping[str, Table]) -> list[str]:
     """A note for every estimator whose median slip is large, or that says nothing of slip."""
     notes = []
     for name, table in estimates.items():
@@ -155,7 +155,7 @@ def _prepared(log: Log) -> tuple[Log, SteadySlip | None, dict[str, Plain]]:
     """
     log, beside = protocol.applied(log)
     if "zero_slip" not in log.rules:
-        return log, None, beside | {"zero_slip": _zero_slip(log, beside)}
+        return log, None, beside | {"zero_slip_from": _zero_slip(log, beside)}
     scaled = log_check.scaled(log, log_check.log_scale(log).scale)
     return scaled, log_check.steady_slip(log) if "steady" in log.rules else None, beside
 

@@ -159,8 +159,8 @@ def assumptions(scores: Mapping[str, Plain]) -> list[str]:
             "than the ground passes, as in curves, braking, or by noise."
         )
     lines += scale_lines(scores)
-    if scores.get("zero_slip"):
-        lines.append(scores["zero_slip"])
+    if scores.get("zero_slip_from"):
+        lines.append(scores["zero_slip_from"])
     if drive.get("rule"):
         lines.append(drive["rule"])
     if drive.get("area"):

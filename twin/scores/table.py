@@ -39,7 +39,7 @@ def score_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
 
 def zero_line(scores: Mapping[str, Plain]) -> str | None:
     """Where the slip of a run or a log is zero, as a line of text; None where there is no slip."""
-    from twin.streams import ZERO_SLIPS  # heavy: a wrong name is refused without it
+    from twin.streams import ZERO_SLIPS  # late: this module answers wrong commands at once
 
     name = scores.get("zero_slip")
     return None if name is None else f"slip is zero at: {ZERO_SLIPS.get(name, name)}"

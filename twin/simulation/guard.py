@@ -42,6 +42,8 @@ Array = NDArray[np.float64]
 
 KEPT_S = 1.0
 """How much of the past a run keeps."""
+UNSHARED = 8192
+"""Numbers that a BLAS sums without sharing the work among threads, for which it would wait."""
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 MODEL_FILE, STATES_FILE, SCENARIO_FILE, FAILURE_FILE = (
     "model.mjb", "states.npz", "scenario.json", "failure.json",
@@ -128,7 +130,10 @@ class StateRing:
 def all_finite(values: Array) -> bool:
     """Whether all are finite, and none so large that its square is not."""
     flat = values.reshape(-1)
-    return math.isfinite(np.vdot(flat, flat))
+    if len(flat) <= UNSHARED:
+        return math.isfinite(np.vdot(flat, flat))
+    parts = (flat[k : k + UNSHARED] for k in range(0, len(flat), UNSHARED))
+    return all(math.isfinite(np.vdot(part, part)) for part in parts)
 
 
 def diverged(

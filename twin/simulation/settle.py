@@ -66,7 +66,7 @@ def _settle(model: mujoco.MjModel, state: mujoco.MjData, scenario: Scenario) -> 
         with quiet():
             mujoco.mj_step(model, state, steps)
         finite = all(all_finite(a) for a in (state.qpos, state.qvel, state.act, state.userdata))
-        if not finite or any(w.number for w in state.warning):
+        if not finite or state.warning.number.any():
             raise diverged(scenario, model, ring.states(), steps, during="settling")
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from twin.compute import quaternion
 from twin.machine.build import Machine
 from twin.physics.engine import radps_to_rpm
-from twin.scenario.route import LOWERING_M
+from twin.scenario.route import LOWERING_M, Leg
 from twin.simulation.columns import Record, Recorder
 from twin.simulation.driver import HitchControl, Observation
 from twin.simulation.ends import EndMonitor, Progress
@@ -34,6 +34,7 @@ class CourseRun:
         self.passes = Passes(machine, self.simulation.batch)
         self.decisions, self.deepest_m = 0, 0.0
         self.monitor, self.leg = EndMonitor(machine, DECISION_S), self.passes.legs[0]
+        self.seen_from: Leg | None = None
 
     def observe(self) -> Observation:
         """Update the driver's observation, relative to the current leg, and return it.
@@ -50,7 +51,7 @@ class CourseRun:
             turning=self.passes.turning,
             curvature_pm=self.passes.curvature_pm(along),
         )
-        self.simulation.seen[0] = seen
+        self.simulation.seen[0], self.seen_from = seen, self.passes.legs[0]
         return seen
 
     def act(self) -> Record:
@@ -58,7 +59,9 @@ class CourseRun:
 
         Begins the next leg where one ends. Raises Diverged.
         """
-        self.observe()
+        if self.seen_from is not self.passes.legs[0]:  # else `end` has just looked
+            self.observe()
+        self.seen_from = None
         self.simulation.decide()
         return self.simulation.run()
 

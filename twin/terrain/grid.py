@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,31 @@ class GridMap:
 
         row = (np.asarray(t_m) - self.right_m) / self.cell_m
         column = (np.asarray(s_m) - self.start_m) / self.cell_m
-        mode: Literal["grid-wrap", "nearest"] = "grid-wrap" if self.repeats else "nearest"
+        if self.repeats:
+            return _between_nodes(self.nodes, row, column)
+        from scipy.ndimage import map_coordinates  # slow to load, and most ground repeats
+
         place = np.stack([row, column])
-        return map_coordinates(self.nodes, place, order=2, prefilter=False, mode=mode)
+        return map_coordinates(self.nodes, place, order=2, prefilter=False, mode="nearest")
+
+
+def _between_nodes(nodes: Array, row: Array, column: Array) -> Array:
+    """Value of a map that repeats: the same bits as scipy's `map_coordinates`."""
+    rows, along_row = _nearest(row, nodes.shape[0])
+    columns, along_column = _nearest(column, nodes.shape[1])
+    total = np.zeros(row.shape)
+    for i, weight in zip(rows, along_row, strict=True):
+        for j, other in zip(columns, along_column, strict=True):
+            total += nodes[i, j] * weight * other
+    return total
+
+
+def _nearest(x: Array, count: int) -> tuple[tuple[Indices, ...], tuple[Array, ...]]:
+    """The three nearest of `count` nodes that repeat, and their weights in a B-spline."""
+    below, above = x < 0.0, x > count - 1
+    x = np.where(below, x + count * (np.trunc(-x / count) + 1.0), x)
+    x = np.where(above, x - count * np.trunc(x / count), x)
+    nearest = np.floor(x + 0.5)
+    a, i = x - nearest, nearest.astype(np.int64)
+    before, at = 0.5 * (0.5 - a) * (0.5 - a), 0.75 - a * a
+    return ((i - 1) % count, i % count, (i + 1) % count), (before, at, 1.0 - before - at)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import next_fast_len
 
 from twin.errors import BadInput
 from twin.scenario import Scenario
@@ -87,6 +86,15 @@ def _from_file(nodes: Array, cell_m: float, start_m: float) -> GridMap:
 def _covering(scenario: Scenario, cell_m: float) -> tuple[float, float, tuple[int, int]]:
     """First column's s, first row's t, and shape of a grid that covers the course."""
     (start, end), (right, left) = extent_m(scenario)
-    rows = int(next_fast_len(round((left - right) / cell_m), real=True))
-    columns = int(next_fast_len(round((end - start) / cell_m), real=True))
+    rows = _fast(round((left - right) / cell_m))
+    columns = _fast(round((end - start) / cell_m))
     return start, right, (rows, columns)
+
+
+def _fast(count: int) -> int:
+    """The least size from a count on whose Fourier transform is fast: of the factors 2, 3, 5."""
+    left = count
+    for factor in (2, 3, 5):
+        while left % factor == 0:
+            left //= factor
+    return count if left == 1 else _fast(count + 1)

@@ -8,7 +8,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
-from scipy import fft
 
 from twin.scenario.field import ROUGHNESS
 
@@ -36,7 +35,7 @@ def rough_heights(roughness_class: str, shape: tuple[int, int], rng: Generator) 
         shape: rows and columns, CELL_M apart.
         rng: phases and amplitudes.
     """
-    across, along = fft.fftfreq(shape[0], CELL_M), fft.rfftfreq(shape[1], CELL_M)  # cycles/m
+    across, along = np.fft.fftfreq(shape[0], CELL_M), np.fft.rfftfreq(shape[1], CELL_M)  # cycles/m
     k = np.hypot(across[:, None], along[None, :])
     within = (k >= 1.0 / LONGEST_M) & (k <= 1.0 / SHORTEST_M)
     scale = ROUGHNESS[roughness_class] * 0.1**2 / 4.0
@@ -58,7 +57,7 @@ def mixture(
         shape, cell_m: of the grid.
         rng: of the surface.
     """
-    across, along = fft.fftfreq(shape[0], cell_m), fft.rfftfreq(shape[1], cell_m)
+    across, along = np.fft.fftfreq(shape[0], cell_m), np.fft.rfftfreq(shape[1], cell_m)
     square = across[:, None] ** 2 + along[None, :] ** 2
     surface = _waves(np.exp(-(np.pi**2) * square * (0.5 * length_m) ** 2), shape, cell_m, rng)
     level = np.quantile(surface, 1.0 - share)
@@ -67,5 +66,6 @@ def mixture(
 
 def _waves(amplitude: Array, shape: tuple[int, int], cell_m: float, rng: Generator) -> Array:
     """A random surface whose two-sided density over wave numbers is `amplitude`**2."""
-    white = fft.rfft2(rng.standard_normal(shape))  # its density is cell_m**2 everywhere
-    return np.asarray(fft.irfft2(white * amplitude / cell_m, s=shape))
+    white = np.fft.rfft2(rng.standard_normal(shape))  # its density is cell_m**2 everywhere
+    whole = np.fft.irfft2(white * amplitude / cell_m, s=shape, norm="forward")
+    return np.asarray(whole * (1.0 / (shape[0] * shape[1])))

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import rerun as rr
-from scipy.spatial.transform import Rotation
 
+from twin.compute import quaternion
 from twin.plugins.lookup import Thing
 from twin.scenario.plough import FURROW_SIDES
 from twin.streams import Table
@@ -175,9 +175,7 @@ def slices(moments: Table, scenario: Thing, ground: Ground, bodies: Bodies) -> P
         return rows, np.empty((0, bodies.count, 3)), half_m, xyzw
     lean = np.array([leaning_rad(d, bodies.width_m) for d in depth_m])
     middle_m = 0.5 * (bodies.width_m * np.sin(lean) + depth_m * np.cos(lean)) - depth_m
-    leaning = Rotation.from_euler("ZX", np.stack([yaw, way * bodies.side * lean], axis=1))
-    turned = (Rotation.from_matrix(ground.world_from_ground) * leaning).as_quat()  # (n, 4)
-    xyzw[:] = turned[:, None]
+    xyzw[:] = _turned_xyzw(ground.world_from_ground, yaw, way * bodies.side * lean)[:, None]
     return rows, ground.surface_w(s, t, middle_m[:, None]), half_m, xyzw
 
 
@@ -192,11 +190,18 @@ def land(moments: Table, scenario: Thing, ground: Ground, bodies: Bodies) -> Pie
     half_m[..., 1], half_m[..., 2] = 0.5 * (bodies.width_m + over_m), 0.5 * depth_m
     if not len(rows):
         return rows, np.empty((0, bodies.count, 3)), half_m, np.empty((0, bodies.count, 4))
-    upright = Rotation.from_matrix(ground.world_from_ground) * Rotation.from_euler(
-        "Z", yaw[:, None]
-    )
-    xyzw = np.repeat(upright.as_quat()[:, None], bodies.count, axis=1)
+    upright = _turned_xyzw(ground.world_from_ground, yaw, np.zeros(len(yaw)))
+    xyzw = np.repeat(upright[:, None], bodies.count, axis=1)
     return rows, ground.surface_w(s, t, -0.5 * depth_m), half_m, xyzw
+
+
+def _turned_xyzw(world_from_ground: Array, yaw_rad: Array, lean_rad: Array) -> Array:
+    """Rotations of the ground's axes by a yaw, then a lean about what is ahead. Shape (n, 4)."""
+    none = np.zeros(len(yaw_rad))
+    yaw = np.stack([np.cos(0.5 * yaw_rad), none, none, np.sin(0.5 * yaw_rad)])
+    lean = np.stack([np.cos(0.5 * lean_rad), np.sin(0.5 * lean_rad), none, none])
+    level = quaternion.multiplied(quaternion.from_matrix(world_from_ground), yaw)
+    return quaternion.multiplied(level, lean)[[1, 2, 3, 0]].T
 
 
 def _at_the_bodies(

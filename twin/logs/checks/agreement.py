@@ -23,7 +23,8 @@ ANGLE_RAD = math.radians(20.0)
 TURN_RAD = math.radians(10.0)
 SLIP = 0.25
 MOVING_MPS = 0.5
-LONGEST_STEP_S = 5.0
+LONGEST_STEP_S, LONGEST_S = 5.0, 120.0
+"""Steps and stretches that take longer are not compared, unless all steps are long."""
 MOST_ROWS = 200_000
 """Rows of a sensor that are compared: those in the middle of a longer log."""
 
@@ -65,7 +66,7 @@ def _way(gnss: Table) -> list[str]:
             return []
         return [_far(moved if moved < 2.0 * chord else chord, driven, time_s[-1])]
     a, b = ends[:-1], ends[1:]
-    short = time_s[b] - time_s[a] < 120.0
+    short = time_s[b] - time_s[a] < max(LONGEST_S, 10.0 * float(np.median(np.diff(time_s))))
     a, b = a[short], b[short]
     if not len(a):
         return []
@@ -74,8 +75,9 @@ def _way(gnss: Table) -> list[str]:
     far = np.abs(by_speed) > 0.5 * STRETCH_M
     if not far.any():
         return []
-    if moved == 0.0:
-        return []
+    if moved < 1.0:
+        stays = f"gnss: the positions stay at one place, speed x time is {driven:.4g} m"
+        return [stays] if driven > 3.0 * STRETCH_M else []
     notes = []
     ratio = float(np.median(np.abs(by_place[far]) / np.abs(by_speed[far])))
     if not 1.0 / RATIO < ratio < RATIO:
@@ -114,15 +116,19 @@ def _unit_hint(ratio: float) -> str:
 def _integral(time_s: Array, rate: Array) -> NDArray[np.float64]:
     """Trapezoids; nothing is driven in a gap."""
     step = np.diff(time_s)
-    part = np.where(step < LONGEST_STEP_S, 0.5 * (rate[1:] + rate[:-1]) * step, 0.0)
+    part = np.where(step < _longest_step_s(step), 0.5 * (rate[1:] + rate[:-1]) * step, 0.0)
     return np.concatenate([[0.0], np.cumsum(part)])
+
+
+def _longest_step_s(step_s: Array) -> float:
+    return max(LONGEST_STEP_S, 2.5 * float(np.median(step_s))) if len(step_s) else LONGEST_STEP_S
 
 
 def _stretches(east: Array, north: Array, time_s: Array) -> NDArray[np.int64]:
     """Rows between which about STRETCH_M are driven, cut at gaps."""
     driven = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(east), np.diff(north)))])
     piece = np.floor(driven / STRETCH_M) + 1e6 * np.concatenate(
-        [[0.0], np.cumsum(np.diff(time_s) >= LONGEST_STEP_S)]
+        [[0.0], np.cumsum(np.diff(time_s) >= _longest_step_s(np.diff(time_s)))]
     )
     return np.concatenate([[0], np.flatnonzero(np.diff(piece) > 0) + 1]).astype(np.int64)
 

@@ -12,6 +12,8 @@ MOVING_MPS = 0.4
 its lag makes of a usual stop (0.3 s at 1 m/s2)."""
 
 
+CREEPING_MPS, CREEPING_S = 0.15, 5.0
+"""Or this much, three of a receiver's sd, for so long on end."""
 HELD_S = 5.0
 """A ground speed as old as this still says that the machine moves."""
 
@@ -33,5 +35,15 @@ def unknown(
     right = np.clip(np.searchsorted(time_s, at_s), 0, len(time_s) - 1)
     left = np.maximum(right - 1, 0)
     age_s = np.minimum(np.abs(at_s - time_s[left]), np.abs(at_s - time_s[right]))
-    doubted = zero & (near > MOVING_MPS) & (age_s < HELD_S)
+    moving = (near > MOVING_MPS) | _for_long(zero & (near > CREEPING_MPS), at_s)
+    doubted = zero & moving & (age_s < HELD_S)
     return doubted, near[doubted]
+
+
+def _for_long(holds: NDArray[np.bool_], time_s: Array) -> NDArray[np.bool_]:
+    """Rows of pieces over which something holds for CREEPING_S."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], holds, [False]]).astype(np.int8)))
+    long = np.zeros(len(holds), bool)
+    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+        long[start:stop] = time_s[stop - 1] - time_s[start] >= CREEPING_S
+    return long

@@ -8,7 +8,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from twin.logs.mapping.guess import Guess, Guesses, Seen
+from twin.logs.mapping.guess import Guesses
+from twin.logs.mapping.guessed import Guess, Seen
 
 UNSURE = "# ? "
 

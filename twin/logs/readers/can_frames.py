@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from array import array
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -93,38 +94,64 @@ def _candump(content: bytes) -> tuple[io.StringIO, tuple[Loss, ...]]:
     return text, (Loss("frames", np.array(bad, np.int64), len(good) + len(bad), says),)
 
 
-def _all(opened: Callable[[], Iterable[Plain]]) -> list[Plain]:
+class _Kept:
+    """Frames so far, as packed numbers: a bus sends millions of them."""
+
+    def __init__(self) -> None:
+        self.epoch_ns, self.identifier = array("q"), array("q")
+        self.extended, self.length = array("b"), array("b")
+        self.data = bytearray()
+        self.channel: list[int] = []
+        self.channels: dict[str, int] = {}
+        self.broken = ""
+        """Why reading stopped before the end, if it did."""
+
+    def take(self, message: Plain) -> None:
+        """Add a data frame."""
+        body = bytes(message.data[:8])
+        self.epoch_ns.append(round(message.timestamp * 1e9))
+        self.identifier.append(message.arbitration_id)
+        self.extended.append(message.is_extended_id)
+        self.length.append(len(body))
+        self.data += body.ljust(8, b"\xff")
+        self.channel.append(self.channels.setdefault(str(message.channel), len(self.channels)))
+
+
+def _all(opened: Callable[[], Iterable[Plain]]) -> _Kept:
     """Every data frame that can be read. Raises BadInput where none can."""
-    frames: list[Plain] = []
+    frames = _Kept()
     try:
-        frames.extend(m for m in opened() if not (m.is_error_frame or m.is_remote_frame))
+        for message in opened():
+            if not (message.is_error_frame or message.is_remote_frame):
+                frames.take(message)
     except OSError:
         raise
     except Exception as error:  # what python-can raises is not documented
-        if not frames:
-            why = f"{type(error).__name__}: {error}"
-            raise BadInput(f"not a CAN trace that can be read ({why})") from None
-    if not frames:
+        frames.broken = f"{type(error).__name__}: {error}"
+        if not frames.epoch_ns:
+            raise BadInput(f"not a CAN trace that can be read ({frames.broken})") from None
+    if not frames.epoch_ns:
         raise BadInput("a CAN trace without a data frame")
     return frames
 
 
-def _frames(messages: list[Plain], losses: tuple[Loss, ...]) -> Frames:
-    data = np.full((len(messages), 8), 0xFF, np.uint8)
-    for row, message in enumerate(messages):
-        part = message.data[:8]
-        data[row, : len(part)] = np.frombuffer(bytes(part), np.uint8)
-    epoch_ns = np.array([round(m.timestamp * 1e9) for m in messages], np.int64)
-    order = np.arange(len(messages))
+def _frames(kept: _Kept, losses: tuple[Loss, ...]) -> Frames:
+    epoch_ns = np.array(kept.epoch_ns, np.int64)
+    order = np.arange(len(epoch_ns))
     back = np.diff(epoch_ns)
     if (back < 0).any() and back.min() > -SMALL_DISORDER_NS:  # two channels, written in turn
         order = np.argsort(epoch_ns, kind="stable")
+    names = np.array(list(kept.channels), np.str_)
+    if kept.broken:
+        count = len(epoch_ns) + 1
+        says = f"frame {count} cannot be read, and what comes after it ({kept.broken})"
+        losses = (*losses, Loss("frames", np.array([count], np.int64), count, says))
     return Frames(
         epoch_ns=epoch_ns[order],
-        identifier=np.array([m.arbitration_id for m in messages], np.int64)[order],
-        extended=np.array([m.is_extended_id for m in messages], bool)[order],
-        channel=np.array([str(m.channel) for m in messages], np.str_)[order],
-        data=data[order],
-        length=np.array([min(len(m.data), 8) for m in messages], np.int64)[order],
+        identifier=np.array(kept.identifier, np.int64)[order],
+        extended=np.array(kept.extended, bool)[order],
+        channel=names[np.array(kept.channel, np.int64)][order],
+        data=np.frombuffer(bytes(kept.data), np.uint8).reshape(-1, 8)[order],
+        length=np.array(kept.length, np.int64)[order],
         losses=losses,
     )

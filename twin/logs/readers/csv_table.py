@@ -18,6 +18,8 @@ from twin.logs.signals import Found, Signal
 from twin.streams import Array
 
 _BLOCK_BYTES = 1 << 18
+_BY_ARROW = ("utf-8", "cp1252", "latin-1")
+"""Encodings that Arrow reads by itself; in the others, a character may be cut."""
 _TAIL_BYTES = 4096
 _TAILS = {"utf-16": "utf-16-le"}
 """Encoding of a file -> that of its end, where no mark says in which order bytes stand."""
@@ -202,10 +204,11 @@ def _opened(path: Path, how: Dialect, names: list[str], lost: _Lost) -> Plain:
     import pyarrow.csv as arrow_csv
 
     return arrow_csv.open_csv(
-        path,
+        _transcoded(path, how.encoding) if how.encoding not in _BY_ARROW else path,
         read_options=arrow_csv.ReadOptions(
             use_threads=False, block_size=_BLOCK_BYTES, column_names=_unique(how.names),
-            skip_rows=how.skip_lines, encoding=how.encoding,
+            skip_rows=how.skip_lines,
+            encoding=how.encoding if how.encoding in _BY_ARROW else "utf-8",
         ),
         parse_options=arrow_csv.ParseOptions(
             delimiter=how.delimiter, quote_char='"' if how.quotes else False,
@@ -217,6 +220,14 @@ def _opened(path: Path, how: Dialect, names: list[str], lost: _Lost) -> Plain:
         ),
         memory_pool=pa.system_memory_pool(),  # which gives back what it no longer needs
     )  # fmt: skip
+
+
+def _transcoded(path: Path, encoding: str) -> Plain:
+    """A file in another encoding as UTF-8; what cannot be decoded becomes a question mark."""
+    import pyarrow as pa
+
+    text = path.read_bytes().decode(encoding, "replace").rstrip("\0\ufffd")
+    return pa.BufferReader(text.encode())
 
 
 def _unique(names: tuple[str, ...]) -> list[str]:

@@ -134,7 +134,7 @@ def _header(lines: Sequence[str], start: int, delimiter: str) -> Dialect:
     else:
         at, cells = start, rows[0]
         blank_ends = False
-    names = [name.strip(" \t\0\ufeff\"'") for name in cells] + [""] * blank_ends
+    names = [name.removeprefix("ï»¿").strip(" \t\0\ufeff\"'") for name in cells] + [""] * blank_ends
     numeric = [bool(_NUMBER.match(n)) for n in names if n]
     headless = bool(numeric) and all(numeric)
     return Dialect(

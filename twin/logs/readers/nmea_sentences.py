@@ -1,7 +1,7 @@
 """NMEA 0183 sentences as values: framing, checksums and field names by `pynmeagps`.
 
-Layouts it does not know are named here: PANDA and PAOGI of AgOpenGPS boards, KSXT and UNIHEADING of
-Unicore and ComNav receivers, after their makers' manuals.
+Layouts it does not know are named here: PANDA and PAOGI of AgOpenGPS boards, KSXT, HPR and
+UNIHEADING of Unicore and ComNav receivers, after their makers' manuals.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ _BOARD = (
     "heading",
 )  # fmt: skip
 _OWN_LAYOUTS: dict[str, tuple[str, ...]] = {
+    "HPR": ("time", "heading", "pitch", "roll", "quality"),
     "PANDA": _BOARD,
     "PAOGI": _BOARD,
     "KSXT": (
@@ -35,6 +36,8 @@ _OWN_LAYOUTS: dict[str, tuple[str, ...]] = {
         "headQuality", "numSVaux", "numSV",
     ),
 }  # fmt: skip
+_UNTIMED = frozenset({"TRA", "HPR"})
+"""Sentences whose time is that of a fix which may have come before: they belong to their burst."""
 NO_HEADING = 65535.0
 """What a PANDA board without an IMU writes for the heading."""
 
@@ -90,12 +93,14 @@ def _sentence(line: int, text: str) -> Sentence | Unusable:
     name = talker + kind
     kind = name if name in _OWN_LAYOUTS else kind
     kind = "PASHR" if name == "PASHR" else kind
+    kind = "PTNLAVR" if name == "PTNL" and payload[:1] == ["AVR"] else kind
     if kind not in _READERS:
         return Sentence(line=line, kind=kind)
     fields = dict(zip(_layout(kind), payload, strict=False))
     try:
         told = _READERS[kind](_Fields(fields, payload))
         time_ms = _time_of_day_ms(fields["time"]) if fields.get("time") else None
+        time_ms = None if kind in _UNTIMED else time_ms
     except (ValueError, IndexError, OverflowError, KeyError) as error:
         return Unusable(line, f"{kind} cannot be read ({error}): {text[:60]!r}", False)
     return Sentence(
@@ -121,8 +126,8 @@ class _Told:
 def _layout(kind: str) -> tuple[str, ...]:
     from pynmeagps import NMEA_PAYLOADS_GET, NMEA_PAYLOADS_GET_PROP
 
-    if kind == "PASHR":
-        return tuple(NMEA_PAYLOADS_GET_PROP["ASHR"])
+    if kind in ("PASHR", "PTNLAVR"):
+        return tuple(NMEA_PAYLOADS_GET_PROP[kind[1:]])
     return _OWN_LAYOUTS.get(kind) or tuple(NMEA_PAYLOADS_GET[kind])
 
 
@@ -185,19 +190,56 @@ def _rmc(f: _Fields) -> _Told:
 
 
 def _vtg(f: _Fields) -> _Told:
-    """VTG by its unit letters T, M, N, K, wherever they stand; km/h, which are finer, first."""
-    f.need(8)
+    """VTG by its unit letters T, M, N, K, wherever they stand; km/h, which are finer, first.
+
+    Where all letters are blank, or in the four fields of NMEA 0183 before 2.0, the order counts.
+    """
+    f.need(4)
     if f.payload[8:] and f.payload[8].strip() == "N":
         return _Told(void=True)
+    if len(f.payload) < 8 or not any(letter.strip() for letter in f.payload[1:8:2]):
+        numbers = f.payload[:4] if len(f.payload) < 8 else f.payload[0:8:2]
+        course, _, knots, kmh = (_number(number.strip()) for number in numbers)
+        return _velocity(course, knots, kmh)
     by_letter = {
         letter.strip(): _number(value.strip())
         for value, letter in zip(f.payload[0:8:2], f.payload[1:8:2], strict=True)
     }
     if not {"N", "K"} & set(by_letter) or "T" not in by_letter:
         raise ValueError(f"unit letters {', '.join(f.payload[1:8:2])}")
-    kmh, knots = by_letter.get("K", _NAN), by_letter.get("N", _NAN)
+    return _velocity(by_letter["T"], by_letter.get("N", _NAN), by_letter.get("K", _NAN))
+
+
+def _velocity(course_deg: float, knots: float, kmh: float) -> _Told:
     speed_mps = knots * _KNOT if math.isnan(kmh) else kmh * _KMH
-    return _Told(values={"course_deg": by_letter["T"], "speed_mps": speed_mps}, rank=2.0)
+    return _Told(values={"course_deg": course_deg, "speed_mps": speed_mps}, rank=2.0)
+
+
+def _gll(f: _Fields) -> _Told:
+    f.need(5)
+    if f["status"] == "V" or f["posMode"] == "N":
+        return _Told(void=True)
+    place, digits = f.place()
+    return _Told(values=place, digits=digits)
+
+
+def _zda(f: _Fields) -> _Told:
+    year, month, day = (f.number(name) for name in ("year", "month", "day"))
+    if not 2000 <= year < 2080:
+        return _Told()
+    return _Told(date=datetime.date(int(year), int(month), int(day)))
+
+
+def _tra(f: _Fields) -> _Told:
+    """TRA and HPR of Unicore and others: heading of two antennas."""
+    solved = f.number("quality") > 0
+    return _Told(values={"heading_deg": f.number("heading")} if solved else {}, rank=1.5)
+
+
+def _avr(f: _Fields) -> _Told:
+    """PTNL,AVR of Trimble: yaw of two antennas."""
+    solved = f.number("gpsQual") > 0
+    return _Told(values={"heading_deg": f.number("yaw")} if solved else {}, rank=1.5)
 
 
 def _hdt(f: _Fields) -> _Told:
@@ -256,7 +298,8 @@ def _ksxt(f: _Fields) -> _Told:
 
 _READERS: dict[str, Callable[[_Fields], _Told]] = {
     "GGA": _gga, "GNS": _gns, "RMC": _rmc, "VTG": _vtg, "HDT": _hdt, "THS": _ths,
-    "PASHR": _pashr, "PANDA": _panda, "PAOGI": _paogi, "KSXT": _ksxt,
+    "PASHR": _pashr, "PANDA": _panda, "PAOGI": _paogi, "KSXT": _ksxt, "GLL": _gll, "ZDA": _zda,
+    "TRA": _tra, "HPR": _tra, "PTNLAVR": _avr,
 }  # fmt: skip
 
 
