@@ -28,7 +28,6 @@ class GridMap:
 
     def at(self, s_m: Array, t_m: Array) -> Array:
         """Values at places on the ground, as `twin.physics.ground.on_map`; arrays of one shape."""
-
         row = (np.asarray(t_m) - self.right_m) / self.cell_m
         column = (np.asarray(s_m) - self.start_m) / self.cell_m
         if self.repeats:
