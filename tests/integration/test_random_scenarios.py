@@ -168,13 +168,19 @@ def scenario(seed):
         course["passes"] = 1
     ground = soil(rng)
     patches = tuple(patch(rng, ground) for _ in range(rng.integers(MOST_PATCHES + 1)))
+    ploughed = simple(rng, Plough, HITCHED) | hitched if ploughs else {}
+    if ploughs and (implement or machine in OTHERS):  # as deep as the implement works
+        tool = files.implement(implement or files.machine(machine).implement or "plough_2")
+        (low, high), (shallow, deep) = RANGES[Plough]["depth_m"], tool.depths_m
+        share = (ploughed["depth_m"] - low) / (high - low)
+        ploughed |= {"depth_m": shallow + share * (deep - shallow), "deepest_m": None}
     return Scenario(
         name=f"random-{seed}",
         machine=machine,
         implement=implement,
         soil=ground,
         field=Field(**field, patches=patches, other_soil=soil(rng)),
-        plough=Plough(**simple(rng, Plough, HITCHED) | hitched) if ploughs else None,
+        plough=Plough(**ploughed) if ploughs else None,
         drive=Drive(**drive),
         course=Course(**course),
         timestep_s=drawn(rng, STEPS_S),

@@ -74,6 +74,10 @@ NOT_VALIDATED = """\
 * **Weather, moisture, residue** have no model: a soil is a set of constants with random variation.
 * **Sensors** are checked against data sheets. The correlation of their errors with the machine's
   vibration, multipath under trees and the true receivers' filters were not compared with logs.
+* **The catalogue's machines** rest on data sheets as far as they were at hand. Their tyres, tracks,
+  ballast and the lead of the front axle are mostly assumed, and what a transmission hands on, .87,
+  was chosen with the Nebraska tests in view. Of the implements only ASABE D497's numbers are
+  published; a chisel plough, a subsoiler and a cultivator were compared with no measurement.
 * **Taishan 1404A** itself: its tyres, gears, centre of gravity and ballast were not found; a
   tractor of its class stands in. No row on this page is a measurement of that machine but its mass,
   its power and four speeds.
