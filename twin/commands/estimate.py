@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from twin.commands.output import check_folder
-from twin.commands.parse import parse
+from twin.commands.parse import parse, seconds
 from twin.commands.run import DEFAULT_ESTIMATORS, load_estimators, status
-from twin.commands.score_table import print_scores
+from twin.commands.score_table import print_hidden, print_scores
 from twin.commands.terminal import counting, say
 from twin.errors import BadInput
 from twin.scores.table import slip_lines
@@ -39,6 +39,9 @@ class Estimate:
     """Folder for the report's figures as SVG and PDF, one column (85 mm) wide."""
     estimators: str = DEFAULT_ESTIMATORS
     """Estimators, separated by commas: names, or module:Name of your own."""
+    hide: str = ""
+    """Hide GNSS for so many seconds, such as 1,10,30,60, at regular places while driving, and score
+    what each estimator foretells of the receiver's speed."""
     view: bool = False
     """Open the recording in the rerun viewer at the end."""
     quiet: bool = False
@@ -64,7 +67,14 @@ def main(args: Sequence[str]) -> int:
     reader = None if options.reader is None else logs.reader(options.reader)
     shown = not (options.quiet or options.json)
     with counting("estimating", "estimators", shown=shown) as told:
-        result = estimate(options.log, options.map, estimators=estimators, reader=reader, told=told)
+        result = estimate(
+            options.log,
+            options.map,
+            estimators=estimators,
+            reader=reader,
+            hide_s=seconds("hide", options.hide),
+            told=told,
+        )
     result.save(directory, command=f"twin estimate {shlex.join(args)}")
     if options.figures is not None:
         result.figures(options.figures)
@@ -83,5 +93,6 @@ def _say(result: Result, directory: Path, options: Estimate) -> None:
         print_scores(result.scores)
         notes = [f"note: {note}" for note in result.notes]
         files = f"{directory}/report.html, {directory}/run.rrd"
+        print_hidden(result.scores)
         for line in (*slip_lines(result.scores), *notes, files):
             say(line)

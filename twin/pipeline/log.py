@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from twin.io.plain import Plain
 from twin.logs import Log, Reader
 from twin.pipeline import log_check
 from twin.pipeline.estimating import Estimator, all_estimates
+from twin.pipeline.hidden import hidden_scores
 from twin.pipeline.log_check import SteadySlip
 from twin.pipeline.result import Result
 from twin.plugins.percent import MOVING_MPS, percent_note
@@ -28,6 +29,7 @@ def estimate(
     *,
     estimators: Mapping[str, Estimator],
     reader: Reader | None = None,
+    hide_s: Sequence[float] = (),
     told: Callable[[int, int], None] = lambda done, total: None,
 ) -> Result:
     """Read a log and run the estimators on it.
@@ -37,6 +39,7 @@ def estimate(
         column_map: TOML that says which column is what; None where the format says it.
         estimators: by name.
         reader: what reads the log; None finds out by what is in it.
+        hide_s: for how long GNSS is hidden to score what is foretold [s]; none leaves it out.
         told: told how many estimators of how many are done.
 
     Raises:
@@ -45,6 +48,9 @@ def estimate(
     start = time.perf_counter()
     log, steady = _prepared(logs.read(path, column_map, reader))
     done = all_estimates(estimators, log.setup, log.streams, told)
+    found = findings(log, done.tables, steady)
+    if hide_s:
+        found["hidden"] = hidden_scores(log, estimators, hide_s)
     reference = _reference(log, path) or {}
     odd = percent_note("slip of the reference", reference, log.streams)
     return Result(
@@ -57,7 +63,7 @@ def estimate(
         notes=(*log.notes, *done.notes, *([odd] if odd else [])),
         failed=done.failed,
         name=path.resolve().stem,
-        found=findings(log, done.tables, steady),
+        found=found,
     )
 
 

@@ -81,6 +81,7 @@ def estimate(
     column_map: str | Path | None = None,
     estimators: Iterable[str | Estimator] | Mapping[str, Estimator] = DEFAULT_ESTIMATORS,
     reader: str | Reader | None = None,
+    hide_s: Iterable[float] = (),
 ) -> Result:
     """Run the estimators on a recorded drive.
 
@@ -89,6 +90,8 @@ def estimate(
         column_map: TOML that says which column is what, and in which unit.
         estimators: as `run` takes them.
         reader: what reads the log, or its name, as `twin.logs.READERS` has it or `module:Name`.
+        hide_s: for how long GNSS is hidden at regular places while driving [s];
+            `scores["hidden"]` then says how well each estimator foretold the receiver's speed.
 
     Raises:
         BadInput: the log or the map cannot be used; says which value, and what would do.
@@ -101,7 +104,8 @@ def estimate(
 
     path = None if column_map is None else Path(column_map)
     by = logs.reader(reader) if isinstance(reader, str) else reader
-    return estimated(Path(log), path, estimators=by_name(estimators), reader=by)
+    chosen = by_name(estimators)
+    return estimated(Path(log), path, estimators=chosen, reader=by, hide_s=tuple(hide_s))
 
 
 def by_name(
