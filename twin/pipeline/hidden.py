@@ -37,7 +37,8 @@ def hidden_scores(
 
 
 def _of_one(log: Log, estimators: Mapping[str, Estimator], hidden_s: float) -> list[Score]:
-    places = list(hidden.passes(log.streams, hidden_s)) if "gnss" in log.streams else []
+    gnss = "gnss" in log.streams
+    places = list(hidden.passes(log.setup, log.streams, hidden_s)) if gnss else []
     if not places:
         raise BadInput(
             f"--hide {hidden_s:g} s: the log has less than {hidden.LEARN_S + hidden_s:g} s of GNSS "

@@ -53,12 +53,12 @@ def period_s(hidden_s: float) -> float:
     return hidden_s + min(SEEN_TIMES * hidden_s, MOST_SEEN_S + hidden_s)
 
 
-def passes(streams: Streams, hidden_s: float) -> Iterator[NDArray[np.int64]]:
+def passes(setup: Setup, streams: Streams, hidden_s: float) -> Iterator[NDArray[np.int64]]:
     """For each pass over a log, when its hidden times start [ns].
 
     start = first GNSS sample + 30 s + (k + pass / passes) period
     """
-    seen = streams["gnss"]["epoch_ns"][np.isfinite(speeds(streams))]
+    seen = streams["gnss"]["epoch_ns"][np.isfinite(speeds(setup, streams))]
     if not len(seen):
         return
     period = period_s(hidden_s)
@@ -87,7 +87,7 @@ def place_of(
     return np.where((place >= 0) & (since <= round(hidden_s * 1e9)), place, -1)
 
 
-def speeds(streams: Streams) -> Array:
+def speeds(setup: Setup, streams: Streams) -> Array:
     """The receiver's speed at each of its samples [m/s]; NaN without a fix.
 
     v = v_east cos h + v_north sin h   with a heading h,   hypot(v_east, v_north)   without
@@ -96,6 +96,7 @@ def speeds(streams: Streams) -> Array:
         streams.column("gnss", name).astype(np.float64)
         for name in ("v_east_mps", "v_north_mps", "heading_rad", "quality")
     )
+    heading = heading - (setup.gnss.heading_mount_rad if setup.gnss else 0.0)
     along = east * np.cos(heading) + north * np.sin(heading)
     speed = np.where(np.isfinite(heading), along, np.hypot(east, north))
     return np.asarray(np.where(quality == 0.0, np.nan, speed))
@@ -114,7 +115,7 @@ def errors(
     nothing; places at whose ends the machine does not drive are left out.
     """
     gnss, epoch_ns = streams["gnss"]["epoch_ns"], table["epoch_ns"]
-    measured = speeds(streams)
+    measured = speeds(setup, streams)
     sd = streams.column("gnss", "velocity_sd_mps").astype(np.float64)
     told = setup.gnss.velocity_sd_mps if setup.gnss else DEFAULT_SD_MPS
     sd = np.where(sd > 0.0, sd, told)

@@ -1,0 +1,238 @@
+"""The causal filter: every sample in order of arrival, at the epoch it was measured."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from estimators.kalman import Array, Record
+from estimators.layout import (
+    CAMERA,
+    GNSS,
+    GRAVITY_MPS2,
+    IMU,
+    OUT_OF_ORDER,
+    RESTARTED,
+    STALE_S,
+    WHEELS,
+)
+from estimators.slip_core import learn, motion, rows
+from estimators.slip_core.counts import take_wheels
+from estimators.slip_core.judge import judged
+from estimators.slip_core.layout import (
+    ACROSS,
+    BIAS,
+    FROM_CAMERA,
+    FROM_GNSS,
+    FROM_IMU,
+    SIZE,
+    TILTING,
+    A,
+    V,
+)
+from estimators.slip_core.report import report
+from estimators.slip_core.update import restart, take, variance
+from twin.compute.compiled import law
+
+FOLLOW = 4.0
+"""An acceleration further off than this many sd is a new motion, and is followed."""
+ACCEL_FLOOR_MPS2 = 0.01
+"""No accelerometer is better than this."""
+GYRO_BIAS_SD_RADPS = 1e-3
+"""sd of a pitch gyro's bias, 0.06 degrees per second."""
+UNHEARD_PSD, UNHEARD_S, UNHEARD_SHARE = 0.15, 0.3, 0.09
+"""Without an accelerometer: density of the jerk [m2/s5], time over which accelerations are
+forgotten [s], and the wheels' own share in their motion; the driver changes both speeds."""
+MOST_EXCESS = 16.0
+"""No receiver's noise is more than four times what it says."""
+AGE_PSD = 1.0
+GYRO_GAP_S = 0.5
+"""Step longer than this and the gyro's integral means nothing [s]."""
+
+
+@law
+def loop(
+    signals: Any, raised: Array, nominal: Record, tuning: Record, memory: Record, out: Any
+) -> int:
+    """Take the samples, write an estimate per wheel sample; returns how many."""
+    n = 0
+    h = np.zeros(SIZE)
+    f, q, room = np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
+    for i in range(len(signals)):
+        signal = signals[i]
+        memory.flags |= signal.flags
+        if signal.flags & OUT_OF_ORDER:
+            continue
+        advance(signal.epoch_ns, nominal, tuning, memory, f, q, room)
+        age = (memory.time_ns - signal.epoch_ns) * 1e-9
+        if age > STALE_S:
+            memory.flags |= OUT_OF_ORDER
+        elif signal.sensor == GNSS:
+            _take_gnss(signal, age, h, tuning, memory)
+        elif signal.sensor == IMU:
+            _take_imu(signal, age, h, nominal, tuning, memory)
+        elif signal.sensor == CAMERA:
+            _take_camera(signal, age, h, tuning, memory)
+        elif signal.sensor == WHEELS:
+            take_wheels(signal, age, raised[i], h, nominal, tuning, memory)
+            report(out[n], signal, nominal, memory)
+            n += 1
+    return n
+
+
+@law
+def advance(
+    epoch_ns: int, nominal: Record, tuning: Record, memory: Record, f: Array, q: Array, room: Array
+) -> None:
+    """Predict to a newer epoch; start again after a gap."""
+    dt = (epoch_ns - memory.time_ns) * 1e-9
+    if memory.time_ns >= 0 and dt > STALE_S:
+        memory.known = 0
+        memory.spans[0] = memory.spans[1] = 0
+        memory.first_mps = np.nan
+        memory.flags |= RESTARTED
+    elif memory.time_ns >= 0 and dt > 0.0 and memory.known:
+        memory.travelled_m += memory.x[V] * dt
+        felt = memory.imu_ns >= 0 and epoch_ns - memory.imu_ns < 1_000_000_000
+        jerk, wheel, both = unrest(felt, tuning, memory)
+        fading = tuning.fading_s if felt else UNHEARD_S
+        front_turn = nominal.wheelbase_m * memory.yaw_rate
+        motion.step(memory.x, memory.rim_mps, front_turn, fading, dt, tuning, f)
+        receiver = memory.excess[FROM_GNSS] * (tuning.receiver_share * nominal.velocity_sd_mps) ** 2
+        motion.noise(f, jerk, wheel, both, receiver, nominal.gravity, dt, tuning, q)
+        motion.carry(memory.p, f, q, room)
+    memory.time_ns = max(memory.time_ns, epoch_ns)
+
+
+@law
+def unrest(felt: bool, tuning: Record, memory: Record) -> tuple[float, float, float]:
+    """Densities of the noise on a, on r, and of both together [m2/s5].
+
+    Under load the wheels, held by the governor, lose a share of what the ground speed loses:
+    r = load_gain a + own. Without an accelerometer nothing tells load from throttle, and the
+    driver's throttle changes both speeds alike.
+    """
+    if felt:
+        jerk = max(tuning.restless * memory.jerk_psd, tuning.jerk_psd)
+        gain, own = tuning.load_gain, tuning.own_share
+        return jerk, memory.spin * jerk * (gain**2 + own), gain * jerk
+    jerk = UNHEARD_PSD * memory.spin
+    return jerk, jerk * (1.0 + UNHEARD_SHARE), jerk
+
+
+@law
+def _is_carried(speed: float, epoch_ns: int, memory: Record) -> bool:
+    """Whether a speed is the last one again, sooner than the receiver usually has a new one.
+
+    Tables that join sensors of several rates repeat the slower ones' values on every row.
+    """
+    repeated = abs(speed - memory.repeated_mps) <= 1e-9 * abs(speed)
+    since = (epoch_ns - memory.changed_ns) * 1e-9
+    if repeated:
+        return bool(since < 0.9 * memory.interval_s)
+    if memory.changed_ns >= 0 and since < STALE_S:
+        memory.interval_s += 0.2 * (since - memory.interval_s)
+    memory.repeated_mps, memory.changed_ns = speed, epoch_ns
+    return False
+
+
+@law
+def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Record) -> None:
+    """GNSS meets the speed of its own epoch; what the motion did since is noise."""
+    speed, sd = signal.v_x_mps, signal.v_sd_mps
+    if not (math.isfinite(speed) and math.isfinite(sd)):
+        return
+    if _is_carried(speed, signal.epoch_ns, memory):
+        return
+    memory.seen_ns[FROM_GNSS], memory.seen_mps[FROM_GNSS] = signal.epoch_ns, speed
+    if not memory.known:
+        memory.first_mps, memory.first_var = speed, sd**2 + age**2
+        memory.measured_ns = signal.epoch_ns
+        return
+    error = speed - rows.gnss(memory.x, age, h)
+    white = memory.excess[FROM_GNSS] * sd**2
+    white += max(memory.jerk_psd, tuning.jerk_psd) * age**3 / 3.0
+    repeated = signal.epoch_ns != memory.changed_ns
+    nis = error**2 / variance(memory.p, h, white)
+    if judged(FROM_GNSS, h, error, white, repeated, tuning, memory):
+        memory.excess[FROM_GNSS] = learn.factor(memory.excess[FROM_GNSS], nis, 1.0, MOST_EXCESS)
+        take(memory.x, memory.p, h, error, white, memory.raised)
+        memory.measured_ns = signal.epoch_ns
+    if math.isfinite(signal.v_y_held_mps):
+        rows.one(ACROSS, h)
+        error, white = signal.v_y_held_mps - memory.x[ACROSS], signal.v_y_held_sd_mps**2
+        total = variance(memory.p, h, white)
+        if error**2 > tuning.gate**2 * total:  # a skid is rare, a wrong heading is not: in part
+            memory.p[ACROSS, ACROSS] += 0.1 * error**2
+        else:
+            take(memory.x, memory.p, h, error, white, memory.raised)
+
+
+@law
+def _take_camera(signal: Record, age: float, h: Array, tuning: Record, memory: Record) -> None:
+    """A camera's forward speed; its own height is not known, and moves."""
+    speed = signal.v_x_mps
+    if not (math.isfinite(speed) and math.isfinite(signal.v_sd_mps)):
+        return
+    memory.seen_ns[FROM_CAMERA], memory.seen_mps[FROM_CAMERA] = signal.epoch_ns, speed
+    white = signal.v_sd_mps**2 + (CAMERA_SD * speed) ** 2
+    if not memory.known:
+        if not math.isfinite(memory.first_mps):
+            memory.first_mps = speed
+            memory.first_var = white + (tuning.scale_sd * speed) ** 2
+        return
+    error = speed - rows.camera(memory.x, age, h)
+    if judged(FROM_CAMERA, h, error, white, False, tuning, memory):
+        take(memory.x, memory.p, h, error, white, memory.raised)
+        memory.measured_ns = signal.epoch_ns
+
+
+CAMERA_SD = 0.005
+"""sd of the quick part of a camera's relative error, as the chassis shakes."""
+
+
+@law
+def _take_imu(
+    signal: Record, age: float, h: Array, nominal: Record, tuning: Record, memory: Record
+) -> None:
+    """An acceleration; how the gyro turns the body since the last one is known, and not learnt."""
+    accel = signal.accel_x_mps2
+    dt = (signal.epoch_ns - memory.imu_ns) * 1e-9
+    rate = signal.pitch_rate_radps
+    fresh = memory.imu_ns >= 0 and 0.0 < dt < GYRO_GAP_S
+    memory.pitch_accel = (rate - memory.pitch_rate) / dt if fresh else 0.0
+    if fresh:
+        memory.pitch_rad += 0.5 * (memory.pitch_rate + rate) * dt
+    memory.pitch_rate = rate
+    if memory.known and math.isfinite(signal.gyro_y_radps):
+        if math.isfinite(memory.gyro):
+            tilt = 0.5 * (memory.gyro + signal.gyro_y_radps) * min(max(dt, 0.0), 0.1)
+            memory.x[BIAS] -= GRAVITY_MPS2 * tilt
+        else:
+            restart(memory.x, memory.p, TILTING, (GRAVITY_MPS2 * GYRO_BIAS_SD_RADPS) ** 2)
+        memory.gyro = signal.gyro_y_radps
+        # the unit stands above the axle: pitching moves it
+        accel -= memory.pitch_accel * nominal.imu_m[2]
+    accel += signal.yaw_rate_radps**2 * nominal.imu_m[0]
+    if not math.isfinite(accel):
+        memory.imu_ns = signal.epoch_ns
+        return
+    floor = nominal.accel_sd_mps2 if math.isfinite(nominal.accel_sd_mps2) else 0.0
+    felt = accel + nominal.gravity * GRAVITY_MPS2 * memory.pitch_rad
+    white = learn.accel_var(felt, signal.epoch_ns, max(floor, ACCEL_FLOOR_MPS2) ** 2, memory)
+    memory.imu_ns = signal.epoch_ns
+    if not memory.known:
+        return
+    error = accel - rows.accel(memory.x, h)
+    white += max(tuning.restless * memory.jerk_psd, tuning.jerk_psd) * age
+    total = variance(memory.p, h, white)
+    memory.nis_sum[FROM_IMU] += error**2 / total
+    memory.nis_count[FROM_IMU] += 1
+    if error**2 > FOLLOW**2 * total:
+        jolt, step = error**2 - total, min(max(dt, 1e-3), 0.1)
+        gain, own = tuning.load_gain, tuning.own_share
+        psd = jolt / step
+        motion.shaken(memory.p, psd, psd * (gain**2 + own), psd * gain, step)
+    take(memory.x, memory.p, h, error, white, memory.raised)

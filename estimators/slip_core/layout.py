@@ -1,0 +1,88 @@
+"""The state of the filter by name, its flags, and what it carries from sample to sample."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+V, A, W, RATE = range(4)
+"""Ground speed [m/s], its acceleration [m/s2], speed of the driven rims [m/s], its rate [m/s2]."""
+REAR, FRONT, READING = range(4, 7)
+"""Travel of the driven and of the towed wheels less what has been counted [m], and by how much the
+counters were read after their stamp [s]."""
+RADIUS, TOWED, QUICK, CAMERA = range(7, 11)
+"""Relative errors: of the driven wheels' counted speed, of the towed wheels', its quick part, and
+of a camera's speed."""
+USUAL, SWING, SWING_RATE = range(11, 14)
+"""Slip that load and ground call for, slip that comes and goes as the body pitches on its tyres,
+and its rate [1/s]."""
+BIAS, TILTING, WHEEL_BIAS = range(14, 17)
+"""Bias of the accelerometer with gravity's part [m/s2], the gyro's bias as the rate of that
+[m/s3], bias of a wheel accelerometer [m/s2]."""
+RECEIVER, LATE, ACROSS = range(17, 20)
+"""Error of GNSS that lasts [m/s], time by which it is later than it says [s], and velocity across
+the body [m/s]."""
+SIZE = 20
+
+FROM_GNSS, FROM_TOWED, FROM_CAMERA, FROM_DRIVEN, FROM_IMU = range(5)
+"""The sources, as `seen_mps` and the like count them."""
+SOURCES = 5
+
+GATED = 8
+"""Flag: a speed was refused since the last estimate: it was further off than its sd allows."""
+RAISED = 16
+"""Flag: the zero condition holds: the plough is out of the ground, so the axle hardly slips."""
+NO_FRONT = 32
+"""Flag: no towed wheel has been counted for a second."""
+NO_IMU = 64
+"""Flag: no acceleration for a second."""
+ONE_WHEEL = 128
+"""Flag: the driven wheels disagree more than turning explains; one of them is taken alone."""
+
+LAGS = 10
+"""Accelerations kept, to hear how fast the motion changes."""
+
+MEMORY = np.dtype(
+    [
+        ("x", "f8", SIZE), ("p", "f8", (SIZE, SIZE)), ("known", "i8"), ("flags", "i8"),
+        ("time_ns", "i8"), ("measured_ns", "i8"), ("wheels_ns", "i8"), ("imu_ns", "i8"),
+        ("seen_ns", "i8", SOURCES), ("seen_mps", "f8", SOURCES), ("refused_ns", "i8", SOURCES),
+        ("excess", "f8", SOURCES), ("nis_sum", "f8", SOURCES), ("nis_count", "i8", SOURCES),
+        ("first_mps", "f8"), ("first_var", "f8"), ("spans", "i8", 2), ("step", "f8", 2),
+        ("step_s", "f8"), ("rim_mps", "f8"), ("apart_mps", "f8", 2), ("lifted", "i8"),
+        ("leaps", "i8"), ("miscount", "f8"), ("raised", "i8"), ("lowered", "i8"),
+        ("jitter_var", "f8"), ("spin", "f8"), ("accel", "f8", LAGS), ("accel_ns", "i8", LAGS),
+        ("accel_count", "i8"), ("accel_var", "f8"), ("jerk_psd", "f8"),
+        ("repeated_mps", "f8"), ("changed_ns", "i8"), ("interval_s", "f8"),
+        ("gyro", "f8"), ("pitch_rad", "f8"), ("pitch_rate", "f8"), ("pitch_accel", "f8"),
+        ("pitch_held_rad", "f8"), ("yaw_rate", "f8"), ("travelled_m", "f8"),
+    ],
+    align=True,
+)  # fmt: skip
+"""A plain value.
+
+`seen_*`: when each source last spoke, and the ground speed that it gave; `refused_ns`: since when
+it is refused; `excess`: the factor of its variance over what is told; `spans`: 1 while the count of
+the driven and of the towed axle has an unbroken origin; `step`: their last counted travels, in
+`step_s`; `rim_mps`: counted speed of the driven wheels over some seconds; `apart_mps`: right less
+left of the driven and of the towed axle; `lifted`: 1 more than the place of a towed wheel in the
+air; `leaps`: samples in a row in which no driven wheel could be right; `miscount`: the last error
+of their count if it was too large to be noise; `jitter_var`: variance of the instants of reading;
+`spin`: the factor of the noise on the driven wheels' motion; `accel`: the last accelerations,
+newest first; `repeated_mps`, `changed_ns`, `interval_s`: the receiver's last new speed, when it
+came, and after what time one usually does; `pitch_*`: how the body has turned nose down, and had at
+the last wheel sample."""
+
+
+def first_memory(jerk_psd: float) -> NDArray[Any]:
+    """One record of MEMORY before the first sample."""
+    memory = np.zeros(1, MEMORY)
+    for name in MEMORY.names or ():
+        if name.endswith("_ns"):
+            memory[name] = -1
+    memory["first_mps"] = memory["repeated_mps"] = memory["gyro"] = np.nan
+    memory["interval_s"] = memory["excess"] = memory["spin"] = 1.0
+    memory["jerk_psd"] = jerk_psd
+    return memory

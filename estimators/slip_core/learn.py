@@ -1,0 +1,54 @@
+"""What no data sheet knows, learnt from the streams: noise of the sensors and of the motion."""
+
+from __future__ import annotations
+
+import math
+
+from estimators.kalman import Record
+from estimators.slip_core.layout import LAGS
+from twin.compute.compiled import law
+
+SETTLE, JERK_SETTLE = 100.0, 500.0
+"""Samples over which variances, and the density of the jerk, are averaged."""
+CLIP, JERK_CLIP = 9.0, 4.0
+"""A square counts at most as so many variances: an event is not noise."""
+PACE = 0.01
+"""How fast a factor follows normalised innovations that are too large on average."""
+
+
+@law
+def accel_var(accel: float, epoch_ns: int, floor_var: float, memory: Record) -> float:
+    """Variance of the white part of an acceleration, never below the data sheet's.
+
+    d = a_k - 2 a_k-1 + a_k-2,   E d^2 = 6 var             for white noise; motion hardly enters d
+    c = a_k - a_k-10,            E c^2 = 2 var + psd tau   for white jerk
+
+    The second gives `memory.jerk_psd`.
+    """
+    if memory.accel_count == 0:
+        memory.accel_var = floor_var
+    if memory.accel_count >= 2:
+        square = (accel - 2.0 * memory.accel[0] + memory.accel[1]) ** 2 / 6.0
+        square = min(square, CLIP * max(memory.accel_var, floor_var))
+        memory.accel_var += (square - memory.accel_var) / min(SETTLE, memory.accel_count + 10.0)
+    tau = (epoch_ns - memory.accel_ns[LAGS - 1]) * 1e-9
+    if memory.accel_count >= LAGS and 0.0 < tau < 1.0:
+        white = 2.0 * memory.accel_var
+        limit = JERK_CLIP * (white + max(memory.jerk_psd, 0.0) * tau)
+        square = min((accel - memory.accel[LAGS - 1]) ** 2, limit)
+        gain = 1.0 / min(JERK_SETTLE, memory.accel_count)
+        memory.jerk_psd += gain * ((square - white) / tau - memory.jerk_psd)
+    for i in range(LAGS - 1, 0, -1):
+        memory.accel[i], memory.accel_ns[i] = memory.accel[i - 1], memory.accel_ns[i - 1]
+    memory.accel[0], memory.accel_ns[0] = accel, epoch_ns
+    memory.accel_count += 1
+    return float(max(memory.accel_var, floor_var))
+
+
+@law
+def factor(now: float, nis: float, due: float, most: float) -> float:
+    """A factor of a variance that grows while e^2 / S is on average above what is due.
+
+    ln f <- ln f + pace (min(e^2 / S, 9) - due),   1 <= f <= most
+    """
+    return min(max(now * math.exp(PACE * (min(nis, CLIP) - due)), 1.0), most)

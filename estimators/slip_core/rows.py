@@ -1,0 +1,120 @@
+"""What each source measures: h(x), and its row H = dh/dx filled in place.
+
+One function per kind of measurement, and none knows how the state moves.
+"""
+
+from __future__ import annotations
+
+from estimators.kalman import Array
+from estimators.slip_core.layout import (
+    BIAS,
+    CAMERA,
+    FRONT,
+    LATE,
+    QUICK,
+    RADIUS,
+    RATE,
+    READING,
+    REAR,
+    RECEIVER,
+    SWING,
+    SWING_RATE,
+    TOWED,
+    USUAL,
+    WHEEL_BIAS,
+    A,
+    V,
+    W,
+)
+from estimators.slip_core.motion import gearing, longer
+from twin.compute.compiled import law
+
+
+@law
+def gnss(x: Array, age: float, h: Array) -> float:
+    """Ground speed of `age` ago: v - a (age + late) + receiver [m/s]."""
+    lag = age + x[LATE]
+    h[:] = 0.0
+    h[V], h[A], h[LATE], h[RECEIVER] = 1.0, -lag, -x[A], 1.0
+    return float(x[V] - lag * x[A] + x[RECEIVER])
+
+
+@law
+def camera(x: Array, age: float, h: Array) -> float:
+    """Ground speed as a camera of nominal height has it, `age` ago: (v - a age) (1 + camera)."""
+    h[:] = 0.0
+    v, scale = x[V] - age * x[A], 1.0 + x[CAMERA]
+    h[V], h[A], h[CAMERA] = scale, -age * scale, v
+    return float(v * scale)
+
+
+@law
+def accel(x: Array, h: Array) -> float:
+    """An accelerometer along the body: a + bias [m/s2]."""
+    h[:] = 0.0
+    h[A] = h[BIAS] = 1.0
+    return float(x[A] + x[BIAS])
+
+
+@law
+def towed(x: Array, age: float, front_turn: float, h: Array) -> float:
+    """Speed of the towed wheels as their nominal radius gives it, `age` ago.
+
+    hypot(v - a age, wheelbase yaw rate) (1 + towed + quick)
+    """
+    h[:] = 0.0
+    v, scale = x[V] - age * x[A], 1.0 + x[TOWED] + x[QUICK]
+    way, by_v = longer(v, front_turn)
+    h[V], h[A], h[TOWED], h[QUICK] = by_v * scale, -age * by_v * scale, way * v, way * v
+    return float(way * v * scale)
+
+
+@law
+def driven(x: Array, rim: float, age: float, h: Array) -> float:
+    """Speed of the driven wheels as their nominal radius gives it, `age` ago.
+
+    (w + rim swing - age (r + rim swing')) (1 + radius)
+    """
+    h[:] = 0.0
+    scale = 1.0 + x[RADIUS]
+    w = x[W] + rim * x[SWING] - age * (x[RATE] + rim * x[SWING_RATE])
+    h[W], h[RATE] = scale, -age * scale
+    h[SWING], h[SWING_RATE] = rim * scale, -age * rim * scale
+    h[RADIUS] = rim
+    return float(w * scale)
+
+
+@law
+def travel(x: Array, state: int, speed: float, h: Array) -> float:
+    """Counted travel since the last count [m]: REAR or FRONT + speed reading.
+
+    Both axles are read at once: by how much too late is one unknown.
+    """
+    h[:] = 0.0
+    h[state], h[READING] = 1.0, speed
+    return float(x[state] + speed * x[READING])
+
+
+@law
+def wheel_accel(x: Array, return_s: float, h: Array) -> float:
+    """Acceleration of the driven rims: r - (w - v / (1 - usual)) / return + bias [m/s2]."""
+    h[:] = 0.0
+    ratio = gearing(x[USUAL])
+    h[RATE], h[W], h[WHEEL_BIAS] = 1.0, -1.0 / return_s, 1.0
+    h[V], h[USUAL] = ratio / return_s, x[V] * ratio**2 / return_s
+    return float(x[RATE] + (x[V] * ratio - x[W]) / return_s + x[WHEEL_BIAS])
+
+
+@law
+def no_slip(x: Array, zero_slip: float, h: Array) -> float:
+    """By how much the driven wheels are off what a slip known beforehand makes them [m/s]."""
+    h[:] = 0.0
+    h[W], h[V] = 1.0 - zero_slip, -1.0
+    return float((1.0 - zero_slip) * x[W] - x[V])
+
+
+@law
+def one(state: int, h: Array) -> None:
+    """The row of a state itself."""
+    h[:] = 0.0
+    h[state] = 1.0

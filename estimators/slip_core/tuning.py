@@ -1,0 +1,14 @@
+"""What the filter can be tuned by, as compiled code reads it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+NAMES = (
+    "jerk_psd", "restless", "fading_s", "return_s", "load_gain", "own_share", "usual_psd",
+    "swing_sd", "swing_hz", "leak_sd", "leak_psd", "bias_psd", "scale_sd", "towed_s", "camera_psd",
+    "quick_sd", "quick_s", "receiver_share", "receiver_s", "across_psd", "gate", "patience_s",
+)  # fmt: skip
+
+TUNING = np.dtype([(name, "f8") for name in NAMES], align=True)
+"""One record: the fields of `SlipCore`, in their order."""
