@@ -46,8 +46,8 @@ USUAL_SD, NO_IDEA_SD = 0.05, 0.1
 def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: Record) -> None:
     """Begin with the first ground speed and the slip it makes with the driven wheels' speed."""
     wheels, sd = signal.wheel_mps, signal.wheel_sd_mps
-    front, front_var, _ = axle(wheels, sd, nominal, 0.0, math.nan, 0.0)
-    rear, rear_var, _ = axle(wheels, sd, nominal, 1.0, math.nan, 0.0)
+    front, front_var, _ = axle(wheels, sd, nominal, 0.0, math.nan, 0.0, math.inf)
+    rear, rear_var, _ = axle(wheels, sd, nominal, 1.0, math.nan, 0.0, math.inf)
     speed, var = memory.first_mps, memory.first_var
     if math.isfinite(front):
         front_var += (tuning.scale_sd * front) ** 2

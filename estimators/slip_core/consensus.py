@@ -3,40 +3,38 @@
 Every source may be wrong. A ground speed v costs what the sources that spoke last say against it,
 each at most as much as its being wrong costs:
 
-    cost(v) = sum over sources of min(((said - v) / (sd v))^2, 9)
+    cost(v) = sum over the other sources of min(((said - v) / (share v))^2, 9)
 """
 
 from __future__ import annotations
 
-import math
-
 from estimators.kalman import Record
-from estimators.slip_core.layout import FROM_CAMERA, FROM_DRIVEN, FROM_TOWED
+from estimators.slip_core.layout import FROM_CAMERA, FROM_DRIVEN, FROM_GNSS, FROM_TOWED
 from twin.compute.compiled import law
 
 WRONG = 9.0
 """What it costs that a source is wrong: three sd."""
 RECENT_S = 0.5
 """A source that spoke within this time is heard [s]."""
-TOWED_SHARE, CAMERA_SHARE, SLIP_SHARE = 0.03, 0.1, 0.15
-"""sd of what towed wheels, a camera and driven wheels are off the ground speed, before anything of
-them is learnt; a slip of up to 0.15 is usual."""
+SPEED_SHARE, CAMERA_SHARE, SLIP_SHARE = 0.03, 0.1, 0.15
+"""sd of what GNSS or towed wheels, a camera and driven wheels are off the ground speed, over it,
+before anything of them is learnt [-]; a slip of up to 0.15 is usual."""
 
 
 @law
-def cost(v: float, memory: Record) -> float:
-    """What the wheels and the camera say against a ground speed [-]."""
+def cost(v: float, asking: int, memory: Record) -> float:
+    """What the sources beside the one that asks say against a ground speed [-]."""
     total = 0.0
-    speed = max(abs(v), 0.3)
-    for source in (FROM_TOWED, FROM_CAMERA, FROM_DRIVEN):
+    speed = max(abs(v), 0.5)
+    for source in (FROM_GNSS, FROM_TOWED, FROM_CAMERA, FROM_DRIVEN):
         since = (memory.time_ns - memory.seen_ns[source]) * 1e-9
         said = memory.seen_mps[source]
-        if memory.seen_ns[source] < 0 or since > RECENT_S or not math.isfinite(said):
+        if source == asking or memory.seen_ns[source] < 0 or since > RECENT_S:
             continue
-        sd = TOWED_SHARE
+        share = SPEED_SHARE
         if source == FROM_CAMERA:
-            sd = CAMERA_SHARE
+            share = CAMERA_SHARE
         elif source == FROM_DRIVEN:
-            sd = SLIP_SHARE
-        total += min(((said - v) / (sd * speed)) ** 2, WRONG)
+            share = SLIP_SHARE
+        total += min(((said - v) / (share * speed)) ** 2, WRONG)
     return total

@@ -30,9 +30,11 @@ from estimators.slip_core.layout import (
     W,
 )
 from estimators.slip_core.update import grow, restart, take, variance
-from estimators.slip_core.wheels import APART_S, axle, in_the_air, radius
+from estimators.slip_core.wheels import APART_S, axle, in_the_air, radius, usable
 from twin.compute.compiled import law
 
+JUMP_MPS = 2.0
+"""No wheel changes its speed by more between two samples, beyond what jitter makes [m/s]."""
 MOST_LEAPS = 10
 """Samples in a row of turning driven wheels, none of them usable, that are refused."""
 RIM_S = 3.0
@@ -41,18 +43,18 @@ SPUN_S = 0.2
 """Time in which a driver changes the speed of the wheels [s]."""
 LEAP = 5.0
 """A count further off than this many sd is a miscount or a motion."""
-SPIN_NIS, MOST_SPIN = 1.5, 1000.0
-"""Mean e^2 / S of the driven wheels' counts above which they move more than thought, and how much
-more at most."""
-MOST_EXCESS = 100.0
-JITTER_SETTLE = 100.0
-"""Samples over which the variance of the instants of reading is averaged."""
+SPIN_NIS, TOGETHER, MOST_SPIN = 1.5, 0.2, 1000.0
+"""Mean e^2 / S of the driven wheels' counts above which they move more than thought, mean product
+of both axles' e / sqrt(S) above which the machine does, and how much more at most."""
+LEAST_UNREST, MOST_EXCESS = 1.0, 100.0
+SETTLE, SLOW_MPS = 100.0, 0.2
+"""Samples over which the noise of the counts is averaged, and the speed above which [m/s]."""
 AHEAD_S = 0.06
 """No further ahead of the newest gyro sample is the pitch predicted [s]."""
-ZERO_SLIP, ZERO_SLIP_SD = 0.003, 0.02
+ZERO_SLIP, ZERO_SLIP_SD = 0.0055, 0.02
 """Slip with the plough out of the ground, 0.2-0.9 % pull nothing, and its sd in one of 50 samples a
 second: 0.4 % over some seconds."""
-UNLOAD, UNLOAD_SD, LOAD, LOAD_SD = -0.0075, 0.003, 0.0065, 0.002
+UNLOAD, UNLOAD_SD, LOAD, LOAD_SD = -0.0045, 0.003, 0.0065, 0.002
 """Change of the counted over the true speed when the plough goes down, and its sd: each rear wheel
 loses about 7 kN and its radius grows; the front wheels get it and shrink."""
 SETTLE_SD_MPS2 = 0.05
@@ -80,23 +82,28 @@ def take_wheels(
         return
     dt = (signal.epoch_ns - memory.wheels_ns) * 1e-9
     tau = signal.wheel_age_s.max()
-    yawing(signal, dt, nominal, memory)
+    jump = JUMP_MPS
+    if tau > 0.0:
+        jump += LEAP * abs(memory.rim_mps) * math.sqrt(2.0 * memory.jitter_var) / (2.0 * tau)
+    yawing(signal, dt, jump, nominal, memory)
     front_turn = nominal.wheelbase_m * memory.yaw_rate
-    memory.lifted = in_the_air(
-        wheels, memory.apart_mps[1] - memory.yaw_rate * nominal.track_front_m, memory.lifted, nominal
-    )
+    across = memory.yaw_rate * nominal.track_front_m
+    memory.lifted = in_the_air(wheels, memory.apart_mps[1] - across, memory.lifted, nominal)
     if memory.lifted:
         wheels[memory.lifted - 1] = np.nan
     foretold = rows.towed(memory.x, age, front_turn, h)
-    front, front_var, front_n = axle(wheels, sd, nominal, 0.0, foretold, memory.apart_mps[1])
-    foretold = rows.driven(memory.x, memory.rim_mps, age, h)
-    if memory.leaps > MOST_LEAPS:
+    if memory.leaps[1] > MOST_LEAPS:
         foretold = np.nan  # counts that cannot be, and go on: the prediction is wrong
-    rear, rear_var, rear_n = axle(wheels, sd, nominal, 1.0, foretold, memory.apart_mps[0])
-    turning = False
-    for i in range(4):
-        turning = turning or nominal.driven[i] * abs(wheels[i]) > 0.0
-    memory.leaps = memory.leaps + 1 if turning and rear_n == 0 else 0
+    front, front_var, front_n = axle(wheels, sd, nominal, 0.0, foretold, across, jump)
+    foretold = rows.driven(memory.x, memory.rim_mps, age, h)
+    if memory.leaps[0] > MOST_LEAPS:
+        foretold = np.nan
+    rear, rear_var, rear_n = axle(wheels, sd, nominal, 1.0, foretold, memory.apart_mps[0], jump)
+    for at in range(2):
+        turning, n = False, rear_n if at == 0 else front_n
+        for i in range(4):
+            turning = turning or (nominal.driven[i] == 1.0 - at and abs(wheels[i]) > 0.0)
+        memory.leaps[at] = memory.leaps[at] + 1 if turning and n == 0 else 0
     rear_var *= rear_n if signal.one_driven_speed else 1
     front_var *= front_n if signal.one_towed_speed else 1
     if rear_n == 1:
@@ -107,7 +114,7 @@ def take_wheels(
     _stand(rear, front, h, memory)
     if tau > 0.0:
         front += pitched / (2.0 * tau) * radius(nominal, 1.0)
-        _learn_jitter(rear, front, rear_var, 2.0 * tau, memory)
+        _listen(rear, front, 2.0 * tau, memory)
         restart(memory.x, memory.p, READING, memory.jitter_var)
     spans = age == 0.0 and abs(2.0 * tau - dt) < 1e-6
     if math.isfinite(front):
@@ -137,7 +144,7 @@ def turned(epoch_ns: int, memory: Record) -> float:
 
 
 @law
-def yawing(signal: Record, dt: float, nominal: Record, memory: Record) -> None:
+def yawing(signal: Record, dt: float, jump: float, nominal: Record, memory: Record) -> None:
     """Right less left of both axles, averaged, and the yaw rate: the gyro's, else the wheels'.
 
     yaw rate = (right - left) / track,   of the towed wheels where there are any
@@ -147,9 +154,12 @@ def yawing(signal: Record, dt: float, nominal: Record, memory: Record) -> None:
     for rear in range(2):
         left = 2 * rear
         driven = nominal.driven[left] > 0.0
-        apart = signal.wheel_mps[left + 1] - signal.wheel_mps[left]
         at = 0 if driven else 1
-        if math.isfinite(apart):
+        speed = memory.seen_mps[FROM_DRIVEN if driven else FROM_TOWED]
+        both = usable(signal.wheel_mps[left], speed, jump)
+        both = both and usable(signal.wheel_mps[left + 1], speed, jump)
+        apart = signal.wheel_mps[left + 1] - signal.wheel_mps[left]
+        if both:
             memory.apart_mps[at] += share * (apart - memory.apart_mps[at])
             track = nominal.track_rear_m if rear else nominal.track_front_m
             if signal.yaw_rate_radps == 0.0 and track > 0.0 and (not driven or rate == 0.0):
@@ -158,29 +168,40 @@ def yawing(signal: Record, dt: float, nominal: Record, memory: Record) -> None:
 
 
 @law
-def _learn_jitter(rear: float, front: float, rear_var: float, step_s: float, memory: Record) -> None:
-    """Variance of the instants of reading, from what both axles' counts have in common.
+def _listen(rear: float, front: float, step_s: float, memory: Record) -> None:
+    """Variance of the instants of reading and of each axle's count, from second differences.
 
-    d = c_k - 2 c_k-1 + c_k-2 of the counted travels c,   E d_rear d_front = 6 w v var
-    of one axle alone                                     E d^2 = 6 (w^2 var + rounding)
+    d = c_k - 2 c_k-1 + c_k-2 of the counted travels c; of the motion hardly anything enters d
+
+        E d_rear d_front = 6 w v jitter
+        E (d_rear - w / v d_front)^2 = 6 (1 + (w / v)^2) count
+
+    Where one axle alone is counted, E d^2 = 6 count: its jitter is taken for noise of the count.
     """
-    if memory.step_s > 0.0 and math.isfinite(rear):
-        even = step_s / memory.step_s
-        d_rear = rear * step_s - memory.step[0] * even
-        both = rear * memory.rim_mps
-        if math.isfinite(front) and math.isfinite(memory.step[1]):
-            product = d_rear * (front * step_s - memory.step[1] * even)
-            both = rear * front
-        else:
-            product = d_rear**2 - 3.0 * rear_var * step_s**2
-        if abs(both) > 0.1:
-            found = product / (6.0 * both)
-            limit = 9.0 * max(memory.jitter_var, 1e-10)
-            found = min(max(found, -limit), limit)
-            memory.jitter_var = max(
-                memory.jitter_var + (found - memory.jitter_var) / JITTER_SETTLE, 0.0
-            )
-    memory.step[0], memory.step[1], memory.step_s = rear * step_s, front * step_s, step_s
+    counted = (rear * step_s, front * step_s)
+    even = step_s / memory.step_s if memory.step_s > 0.0 else math.nan
+    d_rear = counted[0] - memory.step[0] * even
+    d_front = counted[1] - memory.step[1] * even
+    memory.step[0], memory.step[1], memory.step_s = counted[0], counted[1], step_s
+    if abs(rear) < SLOW_MPS:
+        return
+    memory.counted += 1
+    gain = 1.0 / min(memory.counted + 5.0, SETTLE)
+    if math.isfinite(d_rear * d_front) and abs(front) > SLOW_MPS:
+        ratio = rear / front
+        memory.jitter_var = _follow(memory.jitter_var, d_rear * d_front / (6.0 * rear * front), gain)
+        own = (d_rear - ratio * d_front) ** 2 / (6.0 * (1.0 + ratio**2))
+        memory.count_var = _follow(memory.count_var, own, gain)
+    elif math.isfinite(d_rear):
+        memory.jitter_var = 0.0
+        memory.count_var = _follow(memory.count_var, d_rear**2 / 6.0, gain)
+
+
+@law
+def _follow(now: float, found: float, gain: float) -> float:
+    """A variance follows what is found, of which nine times as much counts at most."""
+    most = 9.0 * max(now, 1e-9)
+    return max(now + gain * (min(max(found, -most), most) - now), 0.0)
 
 
 @law
@@ -202,15 +223,18 @@ def _take_front(
     tuning: Record, memory: Record,
 ) -> None:  # fmt: skip
     """Counted travel of the towed wheels where it is unbroken, else their speed."""
+    memory.off_towed = math.nan
     if not (math.isfinite(speed) and math.isfinite(var)):
         memory.spans[1] = 0
         return
-    counted, count_var = speed * 2.0 * tau, var * 2.0 * tau**2
+    counted, count_var = speed * 2.0 * tau, max(var * 2.0 * tau**2, memory.count_var)
     travels = spans and memory.spans[1] == 1
     if travels:
         error, r = counted - rows.travel(memory.x, FRONT, speed, h), count_var
     else:
-        error, r = speed - rows.towed(memory.x, age + tau, front_turn, h), var
+        r = learn.white_var(FROM_TOWED, speed, memory.time_ns, var, memory) if tau == 0.0 else var
+        error = speed - rows.towed(memory.x, age + tau, front_turn, h)
+    memory.off_towed = error / math.sqrt(variance(memory.p, h, r))
     if judged(FROM_TOWED, h, error, r, False, tuning, memory):
         take(memory.x, memory.p, h, error, r, memory.raised)
         memory.measured_ns = memory.time_ns
@@ -231,17 +255,18 @@ def _take_rear(
     if not (math.isfinite(speed) and math.isfinite(var)):
         memory.spans[0] = 0
         return
-    counted, count_var = speed * 2.0 * tau, var * 2.0 * tau**2
+    counted, count_var = speed * 2.0 * tau, max(var * 2.0 * tau**2, memory.count_var)
     travels = spans and memory.spans[0] == 1
     if travels:
         error, r = counted - rows.travel(memory.x, REAR, speed, h), count_var
     else:
-        error, r = speed - rows.driven(memory.x, memory.rim_mps, age + tau, h), var
+        r = learn.white_var(FROM_DRIVEN, speed, memory.time_ns, var, memory) if tau == 0.0 else var
+        error = speed - rows.driven(memory.x, memory.rim_mps, age + tau, h)
     total = variance(memory.p, h, r)
     nis = error**2 / total
     memory.nis_sum[FROM_DRIVEN] += nis
     memory.nis_count[FROM_DRIVEN] += 1
-    memory.spin = learn.factor(memory.spin, nis, SPIN_NIS, MOST_SPIN)
+    _restless(error / math.sqrt(total), memory)
     leapt = nis > LEAP**2
     if leapt and travels and memory.miscount * error <= 0.0:  # once: a miscount
         memory.p[REAR, REAR] += error**2 - total
@@ -258,6 +283,24 @@ def _take_rear(
     elif tau > 0.0:
         restart(memory.x, memory.p, REAR, count_var + speed**2 * memory.jitter_var)
         memory.spans[0] = 1
+
+
+@law
+def _restless(off: float, memory: Record) -> None:
+    """Learn from what both axles surprise by together, the motion, and what by itself.
+
+    Args:
+        off: e / sqrt(S) of the driven wheels, after the towed ones were taken.
+        memory: record, changed.
+    """
+    memory.spin = learn.factor(memory.spin, off**2, SPIN_NIS, 1.0, MOST_SPIN)
+    if not math.isfinite(memory.off_towed):
+        memory.unrest = memory.spin
+        return
+    both = memory.off_towed * off
+    memory.unrest = learn.factor(memory.unrest, both, TOGETHER, LEAST_UNREST, MOST_SPIN)
+    own = memory.off_towed**2 - max(both, 0.0)
+    memory.excess[FROM_TOWED] = learn.factor(memory.excess[FROM_TOWED], own, 1.0, 1.0, MOST_EXCESS)
 
 
 @law

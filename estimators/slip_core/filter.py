@@ -20,13 +20,14 @@ from estimators.layout import (
 )
 from estimators.slip_core import learn, motion, rows
 from estimators.slip_core.counts import take_wheels
-from estimators.slip_core.judge import judged
+from estimators.slip_core.judge import felt, judged
 from estimators.slip_core.layout import (
     ACROSS,
     BIAS,
     FROM_CAMERA,
     FROM_GNSS,
     FROM_IMU,
+    FROM_TOWED,
     SIZE,
     TILTING,
     A,
@@ -42,9 +43,10 @@ ACCEL_FLOOR_MPS2 = 0.01
 """No accelerometer is better than this."""
 GYRO_BIAS_SD_RADPS = 1e-3
 """sd of a pitch gyro's bias, 0.06 degrees per second."""
-UNHEARD_PSD, UNHEARD_S, UNHEARD_SHARE = 0.15, 0.3, 0.09
+UNHEARD_PSD, UNHEARD_S, ALONE_S, OWN_PSD = 0.15, 2.0, 0.3, 0.0135
 """Without an accelerometer: density of the jerk [m2/s5], time over which accelerations are
-forgotten [s], and the wheels' own share in their motion; the driver changes both speeds."""
+forgotten [s], and density of the driven
+wheels own jerk [m2/s5]; the driver changes both speeds."""
 MOST_EXCESS = 16.0
 """No receiver's noise is more than four times what it says."""
 AGE_PSD = 1.0
@@ -95,31 +97,34 @@ def advance(
         memory.flags |= RESTARTED
     elif memory.time_ns >= 0 and dt > 0.0 and memory.known:
         memory.travelled_m += memory.x[V] * dt
-        felt = memory.imu_ns >= 0 and epoch_ns - memory.imu_ns < 1_000_000_000
-        jerk, wheel, both = unrest(felt, tuning, memory)
-        fading = tuning.fading_s if felt else UNHEARD_S
+        heard = felt(memory)
+        jerk, wheel, both = unrest(heard, tuning, memory)
+        fading = tuning.fading_s
+        if not heard:
+            fading = UNHEARD_S if math.isfinite(memory.off_towed) else ALONE_S
         front_turn = nominal.wheelbase_m * memory.yaw_rate
         motion.step(memory.x, memory.rim_mps, front_turn, fading, dt, tuning, f)
         receiver = memory.excess[FROM_GNSS] * (tuning.receiver_share * nominal.velocity_sd_mps) ** 2
-        motion.noise(f, jerk, wheel, both, receiver, nominal.gravity, dt, tuning, q)
+        quick = memory.excess[FROM_TOWED] * tuning.quick_sd**2
+        motion.noise(f, jerk, wheel, both, receiver, quick, nominal.gravity, dt, tuning, q)
         motion.carry(memory.p, f, q, room)
     memory.time_ns = max(memory.time_ns, epoch_ns)
 
 
 @law
-def unrest(felt: bool, tuning: Record, memory: Record) -> tuple[float, float, float]:
+def unrest(heard: bool, tuning: Record, memory: Record) -> tuple[float, float, float]:
     """Densities of the noise on a, on r, and of both together [m2/s5].
 
     Under load the wheels, held by the governor, lose a share of what the ground speed loses:
     r = load_gain a + own. Without an accelerometer nothing tells load from throttle, and the
     driver's throttle changes both speeds alike.
     """
-    if felt:
+    if heard:
         jerk = max(tuning.restless * memory.jerk_psd, tuning.jerk_psd)
         gain, own = tuning.load_gain, tuning.own_share
         return jerk, memory.spin * jerk * (gain**2 + own), gain * jerk
-    jerk = UNHEARD_PSD * memory.spin
-    return jerk, jerk * (1.0 + UNHEARD_SHARE), jerk
+    jerk = UNHEARD_PSD * memory.unrest
+    return jerk, jerk + OWN_PSD * memory.spin, jerk
 
 
 @law
@@ -131,7 +136,7 @@ def _is_carried(speed: float, epoch_ns: int, memory: Record) -> bool:
     repeated = abs(speed - memory.repeated_mps) <= 1e-9 * abs(speed)
     since = (epoch_ns - memory.changed_ns) * 1e-9
     if repeated:
-        return bool(since < 0.9 * memory.interval_s)
+        return bool(since < 1.5 * memory.interval_s)
     if memory.changed_ns >= 0 and since < STALE_S:
         memory.interval_s += 0.2 * (since - memory.interval_s)
     memory.repeated_mps, memory.changed_ns = speed, epoch_ns
@@ -152,12 +157,12 @@ def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Rec
         memory.measured_ns = signal.epoch_ns
         return
     error = speed - rows.gnss(memory.x, age, h)
-    white = memory.excess[FROM_GNSS] * sd**2
+    white = learn.white_var(FROM_GNSS, speed, signal.epoch_ns, sd**2, memory)
     white += max(memory.jerk_psd, tuning.jerk_psd) * age**3 / 3.0
     repeated = signal.epoch_ns != memory.changed_ns
     nis = error**2 / variance(memory.p, h, white)
     if judged(FROM_GNSS, h, error, white, repeated, tuning, memory):
-        memory.excess[FROM_GNSS] = learn.factor(memory.excess[FROM_GNSS], nis, 1.0, MOST_EXCESS)
+        memory.excess[FROM_GNSS] = learn.factor(memory.excess[FROM_GNSS], nis, 1.0, 1.0, MOST_EXCESS)
         take(memory.x, memory.p, h, error, white, memory.raised)
         memory.measured_ns = signal.epoch_ns
     if math.isfinite(signal.v_y_held_mps):
@@ -220,8 +225,8 @@ def _take_imu(
         memory.imu_ns = signal.epoch_ns
         return
     floor = nominal.accel_sd_mps2 if math.isfinite(nominal.accel_sd_mps2) else 0.0
-    felt = accel + nominal.gravity * GRAVITY_MPS2 * memory.pitch_rad
-    white = learn.accel_var(felt, signal.epoch_ns, max(floor, ACCEL_FLOOR_MPS2) ** 2, memory)
+    level = accel + nominal.gravity * GRAVITY_MPS2 * memory.pitch_rad
+    white = learn.accel_var(level, signal.epoch_ns, max(floor, ACCEL_FLOOR_MPS2) ** 2, memory)
     memory.imu_ns = signal.epoch_ns
     if not memory.known:
         return

@@ -24,14 +24,14 @@ from estimators.slip_core.layout import (
 from estimators.slip_core.update import grow, variance
 from twin.compute.compiled import law
 
+DOUBT = 1.0
+"""Without an accelerometer the estimate itself is doubted by so much [-]."""
 BACK = 0.5
 """Once refused, a speed is taken again within this share of the gate."""
 PRESS = 1.0
 """By so much per second counts that GNSS stays with what it says [1/s]."""
-FRESH_S = 2.0
-"""GNSS that was taken within this time is who tells the others' scales [s]."""
-SLOW_MPS = 0.5
-"""Below this speed an error says little of a scale."""
+SLOW_MPS, MOST_SHARE = 0.5, 0.1
+"""Below this speed an error says little of a scale, and none is off by more at once."""
 
 
 @law
@@ -60,38 +60,45 @@ def judged(
     memory.flags |= GATED
     if not refused:
         memory.refused_ns[source] = memory.time_ns
-        return False
     since = (memory.time_ns - memory.refused_ns[source]) * 1e-9
-    if since < tuning.patience_s:
+    if felt(memory) and since < tuning.patience_s:
         return False
-    off = memory.seen_mps[source] - memory.x[V]
-    if source == FROM_GNSS:
-        press = 0.0 if repeated else PRESS * since
-        if cost(memory.x[V], memory) + press < cost(memory.seen_mps[source], memory):
-            return False
-    doubt(source, off, since, memory)
+    said, own = memory.seen_mps[source], memory.x[V]
+    press = PRESS * since if source == FROM_GNSS and not repeated else 0.0
+    press += 0.0 if felt(memory) else DOUBT
+    backed = cost(own, source, memory) + press >= cost(said, source, memory)
+    if not backed and (source == FROM_GNSS or since < tuning.patience_s):
+        return False
+    doubt(source, said - own, max(since, tuning.patience_s), backed, memory)
     memory.refused_ns[source] = -1
     return True
 
 
 @law
-def doubt(source: int, off: float, since: float, memory: Record) -> None:
-    """A source has been off by so much [m/s] for so long [s], and the estimate may be wrong.
+def felt(memory: Record) -> bool:
+    """Whether an accelerometer tells a motion, which else only speeds can tell."""
+    return bool(memory.accel_count > 0 and memory.time_ns - memory.accel_ns[0] < 1e9)
 
-    While GNSS is taken, it is the source's own scale that has changed.
+
+@law
+def doubt(source: int, off: float, since: float, backed: bool, memory: Record) -> None:
+    """A source is off by so much [m/s] for so long [s]: the estimate is wrong, or its scale is.
+
+    Args:
+        source: which it is.
+        off: what it says less the estimate [m/s].
+        since: for how long [s].
+        backed: the others do not speak for the estimate.
+        memory: record, changed.
     """
     way = np.zeros(SIZE)
-    fresh = memory.refused_ns[FROM_GNSS] < 0 and (
-        memory.time_ns - memory.seen_ns[FROM_GNSS] < FRESH_S * 1e9
-    ) and memory.seen_ns[FROM_GNSS] >= 0
-    speed = max(abs(memory.x[V]), SLOW_MPS)
-    if source == FROM_GNSS or not fresh:
+    share = min(max(off / max(abs(memory.x[V]), SLOW_MPS), -MOST_SHARE), MOST_SHARE)
+    if backed:
         way[V] = off
         way[BIAS] = -off / since
         if source == FROM_GNSS:
-            way[TOWED] = way[CAMERA] = -off / speed
+            way[TOWED] = way[CAMERA] = -share
         grow(memory.p, way, 1.0)
-        way[V] = way[BIAS] = 0.0
-    if source != FROM_GNSS:
-        way[CAMERA if source == FROM_CAMERA else TOWED] = off / speed
+    elif source != FROM_GNSS:
+        way[CAMERA if source == FROM_CAMERA else TOWED] = share
         grow(memory.p, way, 1.0)

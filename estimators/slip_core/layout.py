@@ -41,6 +41,8 @@ NO_IMU = 64
 ONE_WHEEL = 128
 """Flag: the driven wheels disagree more than turning explains; one of them is taken alone."""
 
+FIRST_JITTER_S = 1e-3
+"""sd of the instants of reading before any is learnt [s]: a log's resolution is often 1 ms."""
 LAGS = 10
 """Accelerations kept, to hear how fast the motion changes."""
 
@@ -49,11 +51,12 @@ MEMORY = np.dtype(
         ("x", "f8", SIZE), ("p", "f8", (SIZE, SIZE)), ("known", "i8"), ("flags", "i8"),
         ("time_ns", "i8"), ("measured_ns", "i8"), ("wheels_ns", "i8"), ("imu_ns", "i8"),
         ("seen_ns", "i8", SOURCES), ("seen_mps", "f8", SOURCES), ("refused_ns", "i8", SOURCES),
+        ("white_ns", "i8", SOURCES), ("white_last", "f8", (SOURCES, 2)), ("white_var", "f8", SOURCES),
         ("excess", "f8", SOURCES), ("nis_sum", "f8", SOURCES), ("nis_count", "i8", SOURCES),
         ("first_mps", "f8"), ("first_var", "f8"), ("spans", "i8", 2), ("step", "f8", 2),
         ("step_s", "f8"), ("rim_mps", "f8"), ("apart_mps", "f8", 2), ("lifted", "i8"),
-        ("leaps", "i8"), ("miscount", "f8"), ("raised", "i8"), ("lowered", "i8"),
-        ("jitter_var", "f8"), ("spin", "f8"), ("accel", "f8", LAGS), ("accel_ns", "i8", LAGS),
+        ("leaps", "i8", 2), ("miscount", "f8"), ("raised", "i8"), ("lowered", "i8"),
+        ("jitter_var", "f8"), ("count_var", "f8"), ("counted", "i8"), ("spin", "f8"), ("unrest", "f8"), ("off_towed", "f8"), ("accel", "f8", LAGS), ("accel_ns", "i8", LAGS),
         ("accel_count", "i8"), ("accel_var", "f8"), ("jerk_psd", "f8"),
         ("repeated_mps", "f8"), ("changed_ns", "i8"), ("interval_s", "f8"),
         ("gyro", "f8"), ("pitch_rad", "f8"), ("pitch_rate", "f8"), ("pitch_accel", "f8"),
@@ -64,13 +67,16 @@ MEMORY = np.dtype(
 """A plain value.
 
 `seen_*`: when each source last spoke, and the ground speed that it gave; `refused_ns`: since when
-it is refused; `excess`: the factor of its variance over what is told; `spans`: 1 while the count of
+it is refused; `excess`: the factor of its quick error's variance; `white_*`: variance of its white noise, and the
+speeds it is learnt from; `spans`: 1 while the count of
 the driven and of the towed axle has an unbroken origin; `step`: their last counted travels, in
 `step_s`; `rim_mps`: counted speed of the driven wheels over some seconds; `apart_mps`: right less
 left of the driven and of the towed axle; `lifted`: 1 more than the place of a towed wheel in the
-air; `leaps`: samples in a row in which no driven wheel could be right; `miscount`: the last error
-of their count if it was too large to be noise; `jitter_var`: variance of the instants of reading;
-`spin`: the factor of the noise on the driven wheels' motion; `accel`: the last accelerations,
+air; `leaps`: samples in a row in which no driven, or no towed, wheel could be right; `miscount`: the last error
+of their count if it was too large to be noise; `jitter_var`: variance of the instants of reading; `count_var`: of an axle's
+counted travel; `counted`: samples that these are learnt from;
+`spin`: the factor of the noise on the driven wheels' own motion; `unrest`: of that on the motion
+of both axles, where no accelerometer tells it; `off_towed`: last e / sqrt(S) of the towed wheels; `accel`: the last accelerations,
 newest first; `repeated_mps`, `changed_ns`, `interval_s`: the receiver's last new speed, when it
 came, and after what time one usually does; `pitch_*`: how the body has turned nose down, and had at
 the last wheel sample."""
@@ -82,7 +88,9 @@ def first_memory(jerk_psd: float) -> NDArray[Any]:
     for name in MEMORY.names or ():
         if name.endswith("_ns"):
             memory[name] = -1
+    memory["white_last"] = np.nan
     memory["first_mps"] = memory["repeated_mps"] = memory["gyro"] = np.nan
-    memory["interval_s"] = memory["excess"] = memory["spin"] = 1.0
+    memory["interval_s"] = memory["excess"] = memory["spin"] = memory["unrest"] = 1.0
     memory["jerk_psd"] = jerk_psd
+    memory["jitter_var"] = FIRST_JITTER_S**2
     return memory

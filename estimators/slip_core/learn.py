@@ -12,6 +12,8 @@ SETTLE, JERK_SETTLE = 100.0, 500.0
 """Samples over which variances, and the density of the jerk, are averaged."""
 CLIP, JERK_CLIP = 9.0, 4.0
 """A square counts at most as so many variances: an event is not noise."""
+QUICK_S = 0.25
+"""A source with longer steps than this shows the motion in its second differences [s]."""
 PACE = 0.01
 """How fast a factor follows normalised innovations that are too large on average."""
 
@@ -46,9 +48,34 @@ def accel_var(accel: float, epoch_ns: int, floor_var: float, memory: Record) -> 
 
 
 @law
-def factor(now: float, nis: float, due: float, most: float) -> float:
+def white_var(source: int, speed: float, epoch_ns: int, told_var: float, memory: Record) -> float:
+    """Variance of the white noise of a source of speeds, never below what it tells.
+
+    d = z_k - 2 z_k-1 + z_k-2,   E d^2 = 6 var    for white noise; motion hardly enters d
+
+    Slower sources are taken at their word: there the motion enters.
+    """
+    since = (epoch_ns - memory.white_ns[source]) * 1e-9
+    last = memory.white_last[source]
+    if memory.white_ns[source] < 0 or since > QUICK_S:
+        memory.white_ns[source] = epoch_ns
+        last[0] = speed
+        last[1] = math.nan
+        return told_var
+    square = (speed - 2.0 * last[0] + last[1]) ** 2 / 6.0
+    if math.isfinite(square):
+        square = min(square, CLIP * max(memory.white_var[source], told_var))
+        memory.white_var[source] += (square - memory.white_var[source]) / SETTLE
+    last[1] = last[0]
+    last[0] = speed
+    memory.white_ns[source] = epoch_ns
+    return max(memory.white_var[source], told_var)
+
+
+@law
+def factor(now: float, nis: float, due: float, least: float, most: float) -> float:
     """A factor of a variance that grows while e^2 / S is on average above what is due.
 
-    ln f <- ln f + pace (min(e^2 / S, 9) - due),   1 <= f <= most
+    ln f <- ln f + pace (min(e^2 / S, 9) - due),   least <= f <= most
     """
-    return min(max(now * math.exp(PACE * (min(nis, CLIP) - due)), 1.0), most)
+    return min(max(now * math.exp(PACE * (min(max(nis, -CLIP), CLIP) - due)), least), most)

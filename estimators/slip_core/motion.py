@@ -141,8 +141,8 @@ SWING_DAMPING = 0.15
 
 @law
 def noise(
-    f: Array, jerk: float, wheel: float, both: float, receiver_var: float, gravity: float,
-    dt: float, tuning: Record, q: Array,
+    f: Array, jerk: float, wheel: float, both: float, receiver_var: float, quick_var: float,
+    gravity: float, dt: float, tuning: Record, q: Array,
 ) -> None:  # fmt: skip
     """Fill Q of a step.
 
@@ -150,6 +150,7 @@ def noise(
         f: F of the step.
         jerk, wheel, both: densities of the noise on a, on r, and of both together [m2/s5].
         receiver_var: variance of GNSS's lasting error [m2/s2].
+        quick_var: variance of the towed wheels' quick error.
         gravity: 1 where gravity leaks into the accelerations, else 0.
         dt: the step [s].
         tuning: record of the filter's constants.
@@ -157,7 +158,7 @@ def noise(
     """
     q[:, :] = 0.0
     shaken(q, jerk, wheel, both, dt)
-    _kept(f, QUICK, tuning.quick_sd**2, q)
+    _kept(f, QUICK, quick_var, q)
     _kept(f, RECEIVER, receiver_var, q)
     _kept(f, TOWED, tuning.scale_sd**2, q)
     at = tuning.swing_sd**2

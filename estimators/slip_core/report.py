@@ -8,6 +8,7 @@ from estimators.estimate import SLOW_MPS
 from estimators.kalman import Array, Record
 from estimators.layout import NO_GROUND_SPEED, STALE_S
 from estimators.slip_core.consensus import cost
+from estimators.slip_core.judge import felt
 from estimators.slip_core.layout import (
     ACROSS,
     FROM_GNSS,
@@ -54,7 +55,7 @@ def report(row: Record, signal: Record, nominal: Record, memory: Record) -> None
     if memory.seen_ns[FROM_TOWED] < 0 or (memory.time_ns - memory.seen_ns[FROM_TOWED]) > 1e9:
         memory.flags |= NO_FRONT
     since_imu = (memory.time_ns - memory.imu_ns) * 1e-9
-    if memory.imu_ns < 0 or since_imu > 1.0:
+    if not felt(memory):
         memory.flags |= NO_IMU
     row.flags = memory.flags
     memory.flags = 0
@@ -85,7 +86,7 @@ def _conflict(memory: Record) -> float:
     if memory.refused_ns[FROM_GNSS] < 0:
         return 0.0
     said = memory.seen_mps[FROM_GNSS]
-    if cost(memory.x[V], memory) < cost(said, memory):
+    if cost(memory.x[V], FROM_GNSS, memory) < cost(said, FROM_GNSS, memory):
         return 0.0
     return abs(said - memory.x[V])
 

@@ -11,8 +11,6 @@ from twin.compute.compiled import law
 
 MOVING_MPS = 0.2
 """A counter that stands still while its wheel should turn this fast is stuck."""
-JUMP_MPS = 2.0
-"""No wheel changes its speed by more between two samples."""
 APART_S, LIFTED, DOWN = 0.2, 0.03, 0.01
 """Towed wheels that differ over this time [s] by more than such a share of their speed do not both
 touch the ground; they do again below the other. Tyres of one axle differ by less than 1 %."""
@@ -20,8 +18,9 @@ touch the ground; they do again below the other. Tyres of one axle differ by les
 
 @law
 def axle(
-    wheels: Array, sd: Array, nominal: Record, driven: float, predicted: float, apart: float
-) -> tuple[float, float, int]:
+    wheels: Array, sd: Array, nominal: Record, driven: float, predicted: float, apart: float,
+    jump: float,
+) -> tuple[float, float, int]:  # fmt: skip
     """Mean speed of an axle's usable wheels, its variance, and how many they are.
 
     A wheel alone stands for the axle's mean: speed + apart / 2 on the left, - apart / 2 right.
@@ -33,11 +32,12 @@ def axle(
         driven: 1.0 for the driven wheels, 0.0 for the towed.
         predicted: what the mean should be [m/s], NaN if unknown.
         apart: right less left [m/s].
+        jump: no wheel is further off what it should be [m/s].
     """
     total, variance, n = 0.0, 0.0, 0
     for i in range(4):
         side = 0.5 * apart if i % 2 == 0 else -0.5 * apart
-        if nominal.driven[i] == driven and usable(wheels[i], predicted - side):
+        if nominal.driven[i] == driven and usable(wheels[i], predicted - side, jump):
             total += wheels[i] + side
             variance += sd[i] ** 2
             n += 1
@@ -47,13 +47,13 @@ def axle(
 
 
 @law
-def usable(speed: float, predicted: float) -> bool:
+def usable(speed: float, predicted: float, jump: float) -> bool:
     """Whether a wheel's speed can be: finite, turning if it should, and no jump."""
     if not math.isfinite(speed):
         return False
     if speed == 0.0 and abs(predicted) > MOVING_MPS:
         return False
-    return not math.isfinite(predicted) or abs(speed - predicted) < JUMP_MPS
+    return not math.isfinite(predicted) or abs(speed - predicted) < jump
 
 
 @law
