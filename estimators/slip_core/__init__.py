@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from estimators import signals
 from estimators.estimate import ROW
 from estimators.slip_core.filter import UNHEARD_PSD, loop
+from estimators.slip_core.held import USED, Held, held, start
 from estimators.slip_core.layout import first_memory
 from estimators.slip_core.tuning import TUNING
-from estimators.slip_ekf.raised import USED, Lift, lifted, start
 from twin.streams import ESTIMATES, Setup, Streams, Table
 
 
@@ -28,7 +28,7 @@ class State:
     """State between chunks; a plain value."""
 
     reader: signals.Reader
-    lift: Lift
+    held: Held
     tuning: NDArray[Any]
     """One record of `tuning.TUNING`."""
     memory: NDArray[Any]
@@ -45,13 +45,13 @@ class SlipCore:
     """Density of the jerk over what the accelerometer shows of it in some tenths of a second."""
     fading_s: float = 1.0
     """Time over which an acceleration is forgotten [s]."""
-    return_s: float = 5.0
-    """Time in which slip comes back to what load and ground call for [s]."""
+    slip_s: float = 2.0
+    """Correlation time of what slip is off the usual one by, as the draft varies [s]."""
     load_gain: float = 0.44
     """What governed wheels lose of their speed over what the ground speed loses under load."""
     own_share: float = 0.05
     """Density of the wheels' own jerk over that of the ground speed."""
-    usual_psd: float = 3e-5
+    usual_psd: float = 1e-5
     """Density of the walk of the slip that load and ground call for [1/s]."""
     swing_sd: float = 0.001
     """sd of the slip that comes of pitching."""
@@ -59,7 +59,7 @@ class SlipCore:
     """Frequency of that; 1.5-4 Hz for a tractor on its tyres [Hz]."""
     leak_sd: float = 0.3
     """sd of gravity's share in the acceleration: 2 degrees of mean pitch [m/s2]."""
-    leak_psd: float = 5e-6
+    leak_psd: float = 5e-5
     """Density of its walk, as the slope changes [m2/s5]."""
     bias_psd: float = 1e-9
     """Density of the walk of an accelerometer's own bias [m2/s5]."""
@@ -73,7 +73,7 @@ class SlipCore:
     """sd of the quick part of the towed wheels' error, as the load changes."""
     quick_s: float = 0.15
     """Its correlation time [s]."""
-    receiver_share: float = 0.3
+    receiver_share: float = 0.1
     """sd of the part of GNSS's error that lasts, over the sd it states."""
     receiver_s: float = 2.0
     """Its correlation time [s]."""
@@ -97,7 +97,7 @@ class SlipCore:
         A wheel sample that is out of order, or over 5 s older than the newest sample, gives no row.
         """
         reader, samples = signals.read(state.reader, chunk, USED)
-        lift, raised = lifted(state.lift, chunk)
+        known, slower = held(state.held, chunk)
         memory = state.memory.copy()
         rows = np.zeros(len(samples), ROW)
         for name in ESTIMATES:
@@ -105,9 +105,9 @@ class SlipCore:
                 rows[name] = np.nan
         count = 0
         if len(rows):
-            count = loop(samples, raised, reader.nominal[0], state.tuning[0], memory[0], rows)
+            count = loop(samples, slower, reader.nominal[0], state.tuning[0], memory[0], rows)
         table = {name: np.ascontiguousarray(rows[name][:count]) for name in ESTIMATES}
-        return State(reader, lift, state.tuning, memory), table
+        return State(reader, known, state.tuning, memory), table
 
 
 SLIP_CORE = SlipCore()

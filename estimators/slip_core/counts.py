@@ -7,18 +7,21 @@ import math
 import numpy as np
 
 from estimators.kalman import Array, Record
+from estimators.layout import STALE_S
 from estimators.slip_core import learn, motion, rows
 from estimators.slip_core.begin import begin
+from estimators.slip_core.held import RAISED
 from estimators.slip_core.judge import judged
 from estimators.slip_core.layout import (
     BIAS,
     FROM_DRIVEN,
+    FROM_GNSS,
     FROM_TOWED,
     FRONT,
     GATED,
     ONE_WHEEL,
+    OUT_OF_GROUND,
     RADIUS,
-    RAISED,
     RATE,
     READING,
     REAR,
@@ -29,6 +32,7 @@ from estimators.slip_core.layout import (
     V,
     W,
 )
+from estimators.slip_core.load import follow, learn_line
 from estimators.slip_core.update import grow, restart, take, variance
 from estimators.slip_core.wheels import APART_S, axle, in_the_air, radius, usable
 from twin.compute.compiled import law
@@ -63,7 +67,7 @@ SETTLE_SD_MPS2 = 0.05
 
 @law
 def take_wheels(
-    signal: Record, age: float, raised: float, h: Array, nominal: Record, tuning: Record,
+    signal: Record, age: float, slower: Array, h: Array, nominal: Record, tuning: Record,
     memory: Record,
 ) -> None:  # fmt: skip
     """Take a sample of all wheels, or begin with it.
@@ -71,7 +75,7 @@ def take_wheels(
     Args:
         signal, nominal, tuning, memory: records; `memory` is changed in place.
         age: how much older than the newest sample it is [s].
-        raised: 1 with the plough out of the ground, 0 in it, NaN where nobody knows.
+        slower: what slower sensors said, `held.Held.values`.
         h: room for a row, (SIZE,).
     """
     wheels, sd = signal.wheel_mps.copy(), signal.wheel_sd_mps
@@ -87,7 +91,8 @@ def take_wheels(
         jump += LEAP * abs(memory.rim_mps) * math.sqrt(2.0 * memory.jitter_var) / (2.0 * tau)
     yawing(signal, dt, jump, nominal, memory)
     front_turn = nominal.wheelbase_m * memory.yaw_rate
-    across = memory.yaw_rate * nominal.track_front_m
+    way, _ = motion.longer(memory.x[V], front_turn)
+    across = memory.yaw_rate * nominal.track_front_m / way  # along the steered wheels
     memory.lifted = in_the_air(wheels, memory.apart_mps[1] - across, memory.lifted, nominal)
     if memory.lifted:
         wheels[memory.lifted - 1] = np.nan
@@ -118,12 +123,14 @@ def take_wheels(
         restart(memory.x, memory.p, READING, memory.jitter_var)
     spans = age == 0.0 and abs(2.0 * tau - dt) < 1e-6
     if math.isfinite(front):
-        way, _ = motion.longer(memory.x[V], front_turn)
         memory.seen_ns[FROM_TOWED], memory.seen_mps[FROM_TOWED] = signal.epoch_ns, front / way
     _take_front(age, tau, spans, front, front_var, front_turn, h, tuning, memory)
     _take_rear(age, tau, spans, rear, rear_var, h, tuning, memory)
-    _take_accel(signal, dt, h, tuning, memory)
-    _zero(raised, h, memory)
+    _take_accel(signal, dt, h, memory)
+    _zero(slower[RAISED], h, memory)
+    follow(slower, memory)
+    if slower[RAISED] != 1.0:
+        _usual(dt, h, tuning, memory)
     memory.wheels_ns = signal.epoch_ns
 
 
@@ -304,7 +311,7 @@ def _restless(off: float, memory: Record) -> None:
 
 
 @law
-def _take_accel(signal: Record, dt: float, h: Array, tuning: Record, memory: Record) -> None:
+def _take_accel(signal: Record, dt: float, h: Array, memory: Record) -> None:
     """An accelerometer of the driven wheels, where a source has one: it needs no model of slip."""
     accel, n = 0.0, 0
     for i in range(4):
@@ -315,13 +322,21 @@ def _take_accel(signal: Record, dt: float, h: Array, tuning: Record, memory: Rec
         return
     step = min(max(dt, 0.0), 0.1)
     motion.integrated(memory.p, W, RATE, MEASURED_PSD * memory.rim_mps**2, step)
-    error = accel / n - rows.wheel_accel(memory.x, tuning.return_s, h)
+    error = accel / n - rows.wheel_accel(memory.x, h)
     total = variance(memory.p, h, WHEEL_ACCEL_SD**2)
     if error**2 > 9.0 * total:
         motion.integrated(memory.p, W, RATE, (error**2 - total) / max(step, 1e-3), step)
     take(memory.x, memory.p, h, error, WHEEL_ACCEL_SD**2, memory.raised)
 
 
+LEARN_SD = 0.05
+"""The line is learnt from a slip known as well as this."""
+NEW_SLIP_SD, AGAIN_SD, LEARNT_S = 0.15, 0.05, 10.0
+"""sd of the slip that a plough calls for when it goes down, for the first time and once the usual
+slip has been learnt for so long [s]."""
+MOVING_MPS, SLIP_LEARN_S, LEAST_SLIP_SD, MOST_SLIP_SD = 0.3, 30.0, 0.005, 0.1
+"""Speed above which there is a usual slip [m/s]; time over which the spread of slip about it is
+learnt [s]; between what it is kept."""
 MEASURED_PSD, WHEEL_ACCEL_SD = 0.3, 0.06
 """Density of slip's own noise then [1/s3], and sd of such an accelerometer [m/s2]; the IMA-PKF
 paper's."""
@@ -334,7 +349,7 @@ def _zero(raised: float, h: Array, memory: Record) -> None:
     When the plough goes down the driven tyres carry less and their radius grows.
     """
     if raised == 1.0:
-        memory.flags |= RAISED
+        memory.flags |= OUT_OF_GROUND
         if memory.raised == 0:
             memory.raised = 1
             if memory.lowered:
@@ -345,7 +360,32 @@ def _zero(raised: float, h: Array, memory: Record) -> None:
     elif raised == 0.0 and memory.raised == 1:
         memory.raised, memory.lowered = 0, 1
         _reload(1.0, memory)
-        memory.p[USUAL, USUAL] += 0.15**2  # the plough will ask for another slip
+        memory.p[USUAL, USUAL] += NEW_SLIP_SD**2 if memory.slip_s < LEARNT_S else AGAIN_SD**2
+
+
+@law
+def _usual(dt: float, h: Array, tuning: Record, memory: Record) -> None:
+    """The driven wheels slip about as usual: what slip is off it by lasts some seconds.
+
+    v = w (1 - usual),   variance of one sample in dt: 2 slip_var rim^2 slip_s / dt
+
+    While GNSS is there, slip_var is learnt from what slip is off by.
+    """
+    rim = memory.rim_mps
+    if abs(rim) < MOVING_MPS or not 0.0 < dt < STALE_S:
+        return
+    off = rows.usual_slip(memory.x, rim, h)
+    known = variance(memory.p, h, 0.0)
+    if memory.time_ns - memory.seen_ns[FROM_GNSS] < 1.5e9 and memory.refused_ns[FROM_GNSS] < 0:
+        memory.slip_s += dt
+        if known < LEARN_SD**2 * rim**2 + memory.p[USUAL, USUAL] * rim**2:
+            learn_line(dt, memory)
+        square = min(max(off**2 - known, 0.0) / rim**2, MOST_SLIP_SD**2)
+        share = dt / (min(memory.slip_s, SLIP_LEARN_S) + 5.0)
+        memory.slip_var += min(share, 1.0) * (square - memory.slip_var)
+    spread = max(memory.slip_var, LEAST_SLIP_SD**2) * rim**2
+    r = spread * (1.0 + 2.0 * tuning.slip_s / dt * spread / (spread + known))
+    take(memory.x, memory.p, h, -off, r, memory.raised)
 
 
 @law

@@ -56,7 +56,7 @@ GYRO_GAP_S = 0.5
 
 @law
 def loop(
-    signals: Any, raised: Array, nominal: Record, tuning: Record, memory: Record, out: Any
+    signals: Any, slower: Array, nominal: Record, tuning: Record, memory: Record, out: Any
 ) -> int:
     """Take the samples, write an estimate per wheel sample; returns how many."""
     n = 0
@@ -78,7 +78,7 @@ def loop(
         elif signal.sensor == CAMERA:
             _take_camera(signal, age, h, tuning, memory)
         elif signal.sensor == WHEELS:
-            take_wheels(signal, age, raised[i], h, nominal, tuning, memory)
+            take_wheels(signal, age, slower[i], h, nominal, tuning, memory)
             report(out[n], signal, nominal, memory)
             n += 1
     return n

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.slip_core.held import HELD
+
 V, A, W, RATE = range(4)
 """Ground speed [m/s], its acceleration [m/s2], speed of the driven rims [m/s], its rate [m/s2]."""
 REAR, FRONT, READING = range(4, 7)
@@ -32,7 +34,7 @@ SOURCES = 5
 
 GATED = 8
 """Flag: a speed was refused since the last estimate: it was further off than its sd allows."""
-RAISED = 16
+OUT_OF_GROUND = 16
 """Flag: the zero condition holds: the plough is out of the ground, so the axle hardly slips."""
 NO_FRONT = 32
 """Flag: no towed wheel has been counted for a second."""
@@ -41,6 +43,8 @@ NO_IMU = 64
 ONE_WHEEL = 128
 """Flag: the driven wheels disagree more than turning explains; one of them is taken alone."""
 
+FIRST_SLIP_SD = 0.04
+"""sd of slip about the usual one before it is learnt; 0.03 ploughing."""
 FIRST_JITTER_S = 1e-3
 """sd of the instants of reading before any is learnt [s]: a log's resolution is often 1 ms."""
 LAGS = 10
@@ -56,9 +60,10 @@ MEMORY = np.dtype(
         ("first_mps", "f8"), ("first_var", "f8"), ("spans", "i8", 2), ("step", "f8", 2),
         ("step_s", "f8"), ("rim_mps", "f8"), ("apart_mps", "f8", 2), ("lifted", "i8"),
         ("leaps", "i8", 2), ("miscount", "f8"), ("raised", "i8"), ("lowered", "i8"),
-        ("jitter_var", "f8"), ("count_var", "f8"), ("counted", "i8"), ("spin", "f8"), ("unrest", "f8"), ("off_towed", "f8"), ("accel", "f8", LAGS), ("accel_ns", "i8", LAGS),
+        ("jitter_var", "f8"), ("count_var", "f8"), ("counted", "i8"), ("spin", "f8"), ("unrest", "f8"), ("slip_var", "f8"), ("slip_s", "f8"), ("off_towed", "f8"), ("accel", "f8", LAGS), ("accel_ns", "i8", LAGS),
         ("accel_count", "i8"), ("accel_var", "f8"), ("jerk_psd", "f8"),
         ("repeated_mps", "f8"), ("changed_ns", "i8"), ("interval_s", "f8"),
+        ("load", "f8", HELD), ("line", "f8", HELD), ("line_p", "f8", (HELD, HELD)),
         ("gyro", "f8"), ("pitch_rad", "f8"), ("pitch_rate", "f8"), ("pitch_accel", "f8"),
         ("pitch_held_rad", "f8"), ("yaw_rate", "f8"), ("travelled_m", "f8"),
     ],
@@ -76,9 +81,11 @@ air; `leaps`: samples in a row in which no driven, or no towed, wheel could be r
 of their count if it was too large to be noise; `jitter_var`: variance of the instants of reading; `count_var`: of an axle's
 counted travel; `counted`: samples that these are learnt from;
 `spin`: the factor of the noise on the driven wheels' own motion; `unrest`: of that on the motion
-of both axles, where no accelerometer tells it; `off_towed`: last e / sqrt(S) of the towed wheels; `accel`: the last accelerations,
+of both axles, where no accelerometer tells it; `slip_var`: variance of slip about the
+usual one, learnt for `slip_s`; `off_towed`: last e / sqrt(S) of the towed wheels; `accel`: the last accelerations,
 newest first; `repeated_mps`, `changed_ns`, `interval_s`: the receiver's last new speed, when it
-came, and after what time one usually does; `pitch_*`: how the body has turned nose down, and had at
+came, and after what time one usually does; `load`, `line`, `line_p`: the last loads, the line from
+them to slip, and its covariance; `pitch_*`: how the body has turned nose down, and had at
 the last wheel sample."""
 
 
@@ -89,8 +96,10 @@ def first_memory(jerk_psd: float) -> NDArray[Any]:
         if name.endswith("_ns"):
             memory[name] = -1
     memory["white_last"] = np.nan
+    memory["load"] = np.nan
     memory["first_mps"] = memory["repeated_mps"] = memory["gyro"] = np.nan
     memory["interval_s"] = memory["excess"] = memory["spin"] = memory["unrest"] = 1.0
     memory["jerk_psd"] = jerk_psd
+    memory["slip_var"] = FIRST_SLIP_SD**2
     memory["jitter_var"] = FIRST_JITTER_S**2
     return memory

@@ -1,7 +1,7 @@
 """How the state moves: x <- f(x),  P <- F P F^T + Q,  with F = df/dx.
 
     v'  = v + a dt                              a'  = a exp(-dt / tau)  + white
-    w'  = w + r dt - (w - v / (1 - usual)) dt / return    r'  = r exp(-dt / tau)  + white
+    w'  = w + r dt                              r'  = r exp(-dt / tau)  + white
     rear'  = rear  + (w + rim swing) (1 + radius) dt
     front' = front + hypot(v, wheelbase yaw rate) (1 + towed + quick) dt
     bias'  = bias + tilting dt                  swing'' = -2 z p swing' - p^2 swing + white
@@ -40,16 +40,6 @@ from estimators.slip_core.layout import (
     W,
 )
 from twin.compute.compiled import law
-
-LARGEST_SLIP, LEAST_SLIP = 0.9, -2.0
-"""The usual slip is kept between these, so that the wheels' speed stays finite."""
-
-
-@law
-def gearing(slip: float) -> float:
-    """w / v = 1 / (1 - slip)"""
-    return 1.0 / (1.0 - min(max(slip, LEAST_SLIP), LARGEST_SLIP))
-
 
 @law
 def longer(v: float, front_turn: float) -> tuple[float, float]:
@@ -98,10 +88,8 @@ def step(
     f[FRONT, TOWED] = f[FRONT, QUICK] = dt * way * v
     x[REAR] += dt * w * driven
     x[FRONT] += dt * way * v * towed
-    ratio, back = gearing(x[USUAL]), dt / tuning.return_s
-    f[W, W], f[W, RATE] = 1.0 - back, dt
-    f[W, V], f[W, USUAL] = back * ratio, back * rim * ratio
-    x[W] += dt * x[RATE] + back * (x[V] * ratio - x[W])
+    f[W, RATE] = dt
+    x[W] += dt * x[RATE]
     f[V, A] = dt
     x[V] += dt * x[A]
     f[BIAS, TILTING] = dt

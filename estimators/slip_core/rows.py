@@ -26,7 +26,7 @@ from estimators.slip_core.layout import (
     V,
     W,
 )
-from estimators.slip_core.motion import gearing, longer
+from estimators.slip_core.motion import longer
 from twin.compute.compiled import law
 
 
@@ -96,13 +96,19 @@ def travel(x: Array, state: int, speed: float, h: Array) -> float:
 
 
 @law
-def wheel_accel(x: Array, return_s: float, h: Array) -> float:
-    """Acceleration of the driven rims: r - (w - v / (1 - usual)) / return + bias [m/s2]."""
+def wheel_accel(x: Array, h: Array) -> float:
+    """Acceleration of the driven rims: r + bias [m/s2]."""
     h[:] = 0.0
-    ratio = gearing(x[USUAL])
-    h[RATE], h[W], h[WHEEL_BIAS] = 1.0, -1.0 / return_s, 1.0
-    h[V], h[USUAL] = ratio / return_s, x[V] * ratio**2 / return_s
-    return float(x[RATE] + (x[V] * ratio - x[W]) / return_s + x[WHEEL_BIAS])
+    h[RATE] = h[WHEEL_BIAS] = 1.0
+    return float(x[RATE] + x[WHEEL_BIAS])
+
+
+@law
+def usual_slip(x: Array, rim: float, h: Array) -> float:
+    """By how much the ground speed is off what the usual slip makes it: v - w (1 - usual) [m/s]."""
+    h[:] = 0.0
+    h[V], h[W], h[USUAL] = 1.0, -(1.0 - x[USUAL]), rim
+    return float(x[V] - x[W] * (1.0 - x[USUAL]))
 
 
 @law
