@@ -10,7 +10,7 @@ from estimators.kalman import Array, Record
 from estimators.layout import STALE_S
 from estimators.slip_core import learn, motion, rows
 from estimators.slip_core.begin import begin
-from estimators.slip_core.held import RAISED
+from estimators.slip_core.held import HELD, RAISED
 from estimators.slip_core.judge import judged
 from estimators.slip_core.layout import (
     BIAS,
@@ -32,7 +32,7 @@ from estimators.slip_core.layout import (
     V,
     W,
 )
-from estimators.slip_core.load import follow, learn_line
+from estimators.slip_core.load import by_load, centred, learn_line
 from estimators.slip_core.update import grow, restart, take, variance
 from estimators.slip_core.wheels import APART_S, axle, in_the_air, radius, usable
 from twin.compute.compiled import law
@@ -128,9 +128,8 @@ def take_wheels(
     _take_rear(age, tau, spans, rear, rear_var, h, tuning, memory)
     _take_accel(signal, dt, h, memory)
     _zero(slower[RAISED], h, memory)
-    follow(slower, memory)
     if slower[RAISED] != 1.0:
-        _usual(dt, h, tuning, memory)
+        _usual(slower, dt, h, tuning, memory)
     memory.wheels_ns = signal.epoch_ns
 
 
@@ -329,7 +328,7 @@ def _take_accel(signal: Record, dt: float, h: Array, memory: Record) -> None:
     take(memory.x, memory.p, h, error, WHEEL_ACCEL_SD**2, memory.raised)
 
 
-LEARN_SD = 0.05
+SCATTER_SD, LEARN_SD = 0.02, 0.05
 """The line is learnt from a slip known as well as this."""
 NEW_SLIP_SD, AGAIN_SD, LEARNT_S = 0.15, 0.05, 10.0
 """sd of the slip that a plough calls for when it goes down, for the first time and once the usual
@@ -364,7 +363,7 @@ def _zero(raised: float, h: Array, memory: Record) -> None:
 
 
 @law
-def _usual(dt: float, h: Array, tuning: Record, memory: Record) -> None:
+def _usual(slower: Array, dt: float, h: Array, tuning: Record, memory: Record) -> None:
     """The driven wheels slip about as usual: what slip is off it by lasts some seconds.
 
     v = w (1 - usual),   variance of one sample in dt: 2 slip_var rim^2 slip_s / dt
@@ -374,16 +373,22 @@ def _usual(dt: float, h: Array, tuning: Record, memory: Record) -> None:
     rim = memory.rim_mps
     if abs(rim) < MOVING_MPS or not 0.0 < dt < STALE_S:
         return
-    off = rows.usual_slip(memory.x, rim, h)
-    known = variance(memory.p, h, 0.0)
+    spread = max(memory.slip_var, LEAST_SLIP_SD**2) * rim**2
+    z, room = np.zeros(HELD), np.zeros(HELD)
+    centred(slower, memory, z)
+    loaded, loaded_var = by_load(z, memory)
+    off = rows.usual_slip(memory.x, loaded, rim, h)
+    state_var = variance(memory.p, h, 0.0)
+    known = state_var + loaded_var * rim**2
     if memory.time_ns - memory.seen_ns[FROM_GNSS] < 1.5e9 and memory.refused_ns[FROM_GNSS] < 0:
         memory.slip_s += dt
-        if known < LEARN_SD**2 * rim**2 + memory.p[USUAL, USUAL] * rim**2:
-            learn_line(dt, memory)
+        if state_var < LEARN_SD**2 * rim**2 + memory.p[USUAL, USUAL] * rim**2:
+            slip = 1.0 - memory.x[V] / memory.x[W]
+            learn_line(slower, slip, SCATTER_SD**2, dt, z, room, memory)
         square = min(max(off**2 - known, 0.0) / rim**2, MOST_SLIP_SD**2)
         share = dt / (min(memory.slip_s, SLIP_LEARN_S) + 5.0)
         memory.slip_var += min(share, 1.0) * (square - memory.slip_var)
-    spread = max(memory.slip_var, LEAST_SLIP_SD**2) * rim**2
+    spread += loaded_var * rim**2
     r = spread * (1.0 + 2.0 * tuning.slip_s / dt * spread / (spread + known))
     take(memory.x, memory.p, h, -off, r, memory.raised)
 

@@ -63,7 +63,7 @@ MEMORY = np.dtype(
         ("jitter_var", "f8"), ("count_var", "f8"), ("counted", "i8"), ("spin", "f8"), ("unrest", "f8"), ("slip_var", "f8"), ("slip_s", "f8"), ("off_towed", "f8"), ("accel", "f8", LAGS), ("accel_ns", "i8", LAGS),
         ("accel_count", "i8"), ("accel_var", "f8"), ("jerk_psd", "f8"),
         ("repeated_mps", "f8"), ("changed_ns", "i8"), ("interval_s", "f8"),
-        ("load", "f8", HELD), ("line", "f8", HELD), ("line_p", "f8", (HELD, HELD)),
+        ("mean_load", "f8", HELD), ("line", "f8", HELD), ("line_p", "f8", (HELD, HELD)),
         ("gyro", "f8"), ("pitch_rad", "f8"), ("pitch_rate", "f8"), ("pitch_accel", "f8"),
         ("pitch_held_rad", "f8"), ("yaw_rate", "f8"), ("travelled_m", "f8"),
     ],
@@ -84,8 +84,8 @@ counted travel; `counted`: samples that these are learnt from;
 of both axles, where no accelerometer tells it; `slip_var`: variance of slip about the
 usual one, learnt for `slip_s`; `off_towed`: last e / sqrt(S) of the towed wheels; `accel`: the last accelerations,
 newest first; `repeated_mps`, `changed_ns`, `interval_s`: the receiver's last new speed, when it
-came, and after what time one usually does; `load`, `line`, `line_p`: the last loads, the line from
-them to slip, and its covariance; `pitch_*`: how the body has turned nose down, and had at
+came, and after what time one usually does; `mean_load`, `line`, `line_p`: the mean loads, the line
+from them to slip, and its covariance; `pitch_*`: how the body has turned nose down, and had at
 the last wheel sample."""
 
 
@@ -96,7 +96,6 @@ def first_memory(jerk_psd: float) -> NDArray[Any]:
         if name.endswith("_ns"):
             memory[name] = -1
     memory["white_last"] = np.nan
-    memory["load"] = np.nan
     memory["first_mps"] = memory["repeated_mps"] = memory["gyro"] = np.nan
     memory["interval_s"] = memory["excess"] = memory["spin"] = memory["unrest"] = 1.0
     memory["jerk_psd"] = jerk_psd

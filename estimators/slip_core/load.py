@@ -1,9 +1,9 @@
 """The line from load to slip: learnt while GNSS is there, and used always.
 
-    slip = c_0 + c . load + e,   c <- c + K (slip - c_0 - c . load)   (recursive least squares)
+    slip = usual + line . (load - mean load) + e     (recursive least squares, with an intercept)
 
-What the load changes by moves the usual slip by c times that. Draft, torque and fuel rise
-together: which of them is told the more is the prior's, and does not matter.
+Draft, torque and fuel rise together: which of them is told the more is the prior's, and does not
+matter.
 """
 
 from __future__ import annotations
@@ -11,50 +11,71 @@ from __future__ import annotations
 import math
 
 from estimators.kalman import Array, Record
-from estimators.slip_core.held import FIRST_LOAD, HELD
-from estimators.slip_core.layout import USUAL, V, W
+from estimators.slip_core.held import HELD
+from estimators.slip_core.layout import USUAL
 from twin.compute.compiled import law
 
 PRIOR_SD, OFFSET_SD = 0.05, 0.2
-"""sd of the slip that comes of one usual change of a load, and of slip at no load."""
+"""sd of the slip that comes of one usual change of a load, and of the intercept."""
 WALK = 1e-7
 """Density of the walk of the line, as the ground changes [1/s]."""
-SCATTER_SD, SCATTER_S = 0.02, 1.0
-"""sd of what slip is off the line by, and how long that lasts [s]."""
-MOST_SLIP = 0.6
+SCATTER_S, MEAN_S = 1.0, 60.0
+"""How long slip stays off the line, and time over which the mean load is taken [s]."""
+MOST_BY_LOAD = 0.3
+"""Slip that a load makes at most beside the usual one."""
+ROBUST = 3.0
+"""A slip further off the line than this many sd counts as this many."""
 
 
 @law
-def follow(loads: Array, memory: Record) -> None:
-    """Move the usual slip by what the load has changed since the last sample."""
-    change = 0.0
-    for i in range(FIRST_LOAD, HELD):
-        if math.isfinite(loads[i]) and math.isfinite(memory.load[i]):
-            change += memory.line[i] * (loads[i] - memory.load[i])
-    memory.x[USUAL] = min(max(memory.x[USUAL] + change, -MOST_SLIP), MOST_SLIP)
-    memory.load[:] = loads
-
-
-@law
-def learn_line(dt: float, memory: Record) -> None:
-    """Learn the line from the slip of now; a load that nobody tells counts as none."""
-    load, c, p = memory.load, memory.line, memory.line_p
-    z = load.copy()
+def centred(loads: Array, memory: Record, z: Array) -> None:
+    """Fill z = (1, load - mean load); 0 for a load that nobody tells."""
     z[0] = 1.0
-    told = 0
-    for i in range(FIRST_LOAD, HELD):
-        if math.isfinite(z[i]):
-            told += 1
-        else:
-            z[i] = 0.0
-    if told == 0:
-        return
+    for i in range(1, HELD):
+        z[i] = loads[i] - memory.mean_load[i] if math.isfinite(loads[i]) else 0.0
+
+
+@law
+def by_load(z: Array, memory: Record) -> tuple[float, float]:
+    """Slip beside the usual one that the load makes, and its variance."""
+    slip, var = 0.0, 0.0
+    for i in range(1, HELD):
+        slip += memory.line[i] * z[i]
+        for j in range(1, HELD):
+            var += z[i] * memory.line_p[i, j] * z[j]
+    return min(max(slip, -MOST_BY_LOAD), MOST_BY_LOAD), max(var, 0.0)
+
+
+@law
+def _shift(i: int, by: float, memory: Record) -> None:
+    """Move a mean load: the usual slip and the intercept are those at the mean."""
+    p = memory.line_p
+    memory.mean_load[i] += by
+    memory.line[0] += memory.line[i] * by
+    memory.x[USUAL] += memory.line[i] * by
+    for j in range(HELD):
+        p[0, j] += by * p[i, j]
+    for j in range(HELD):
+        p[j, 0] += by * p[j, i]
+
+
+@law
+def learn_line(
+    loads: Array, slip: float, slip_var: float, dt: float, z: Array, pz: Array, memory: Record
+) -> None:
+    """Learn from the slip of now, of variance `slip_var` about the line over `dt` [s]."""
+    c, p = memory.line, memory.line_p
     if p[0, 0] == 0.0:
         for i in range(HELD):
             p[i, i] = PRIOR_SD**2 if i else OFFSET_SD**2
-    error = 1.0 - memory.x[V] / memory.x[W]
-    total = SCATTER_SD**2 * (1.0 + 2.0 * SCATTER_S / dt)
-    pz = z.copy()
+            memory.mean_load[i] = loads[i] if math.isfinite(loads[i]) else 0.0
+    share = dt / (min(memory.slip_s, MEAN_S) + dt)
+    for i in range(1, HELD):
+        if math.isfinite(loads[i]):
+            _shift(i, share * (loads[i] - memory.mean_load[i]), memory)
+    centred(loads, memory, z)
+    total = slip_var * (1.0 + 2.0 * SCATTER_S / dt)
+    error = slip
     for i in range(HELD):
         p[i, i] += WALK * dt
         error -= c[i] * z[i]
@@ -63,7 +84,10 @@ def learn_line(dt: float, memory: Record) -> None:
             pz[i] += p[i, j] * z[j]
     for i in range(HELD):
         total += z[i] * pz[i]
+    most = ROBUST * math.sqrt(slip_var)
+    error = min(max(error, -most), most)
     for i in range(HELD):
         c[i] += pz[i] * error / total
+    for i in range(HELD):
         for j in range(HELD):
             p[i, j] -= pz[i] * pz[j] / total

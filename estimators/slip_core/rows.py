@@ -104,11 +104,14 @@ def wheel_accel(x: Array, h: Array) -> float:
 
 
 @law
-def usual_slip(x: Array, rim: float, h: Array) -> float:
-    """By how much the ground speed is off what the usual slip makes it: v - w (1 - usual) [m/s]."""
+def usual_slip(x: Array, by_load: float, rim: float, h: Array) -> float:
+    """How far the ground speed is off what the usual slip makes it [m/s].
+
+    v - w (1 - usual - by_load)
+    """
     h[:] = 0.0
-    h[V], h[W], h[USUAL] = 1.0, -(1.0 - x[USUAL]), rim
-    return float(x[V] - x[W] * (1.0 - x[USUAL]))
+    h[V], h[W], h[USUAL] = 1.0, -(1.0 - x[USUAL] - by_load), rim
+    return float(x[V] - x[W] * (1.0 - x[USUAL] - by_load))
 
 
 @law
