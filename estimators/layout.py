@@ -78,6 +78,7 @@ SIGNALS = np.dtype(
         ("flags", "i8"),
         ("v_x_mps", "f8"),
         ("v_sd_mps", "f8"),
+        ("horizontal_mps", "f8"),
         ("accel_mps2", "f8"),
         ("accel_x_mps2", "f8"),
         ("gyro_y_radps", "f8"),
@@ -98,7 +99,8 @@ SIGNALS = np.dtype(
     align=True,
 )
 """One sample as speeds, at the rear-axle centre, along (x) and across (y) the body in the ground
-plane. `v_x`, `v_sd` stand in GNSS samples and in a camera's, `accel` and, as measured, `accel_x`
+plane. `v_x`, `v_sd` stand in GNSS samples and in a camera's, `horizontal`
+in GNSS samples: the antenna's speed, `accel` and, as measured, `accel_x`
 and `gyro_y` in the IMU's, `wheel_*` in the wheels', else NaN. `wheel_age_s`: the speed is that of
 this much before the epoch. `one_*_speed`: those wheels' speeds are one and the same number. The
 rest is held from the last sample that told it."""

@@ -330,10 +330,9 @@ def _take_accel(signal: Record, dt: float, h: Array, memory: Record) -> None:
 
 SCATTER_SD, LEARN_SD = 0.02, 0.05
 """The line is learnt from a slip known as well as this."""
-NEW_SLIP_SD, AGAIN_SD, LEARNT_S = 0.15, 0.05, 10.0
-"""sd of the slip that a plough calls for when it goes down, for the first time and once the usual
-slip has been learnt for so long [s]."""
-MOVING_MPS, SLIP_LEARN_S, LEAST_SLIP_SD, MOST_SLIP_SD = 0.3, 30.0, 0.005, 0.1
+NEW_SLIP_SD, AGAIN_SD = 0.15, 0.05
+"""sd of the slip that a plough calls for when it goes down for the first time, and again."""
+MOVING_MPS, SLIP_LEARN_S, LEAST_SLIP_SD, MOST_SLIP_SD = 0.3, 30.0, 0.01, 0.1
 """Speed above which there is a usual slip [m/s]; time over which the spread of slip about it is
 learnt [s]; between what it is kept."""
 MEASURED_PSD, WHEEL_ACCEL_SD = 0.3, 0.06
@@ -357,9 +356,9 @@ def _zero(raised: float, h: Array, memory: Record) -> None:
             error = -rows.no_slip(memory.x, ZERO_SLIP, h)
             take(memory.x, memory.p, h, error, (ZERO_SLIP_SD * memory.rim_mps) ** 2, 1)
     elif raised == 0.0 and memory.raised == 1:
-        memory.raised, memory.lowered = 0, 1
         _reload(1.0, memory)
-        memory.p[USUAL, USUAL] += NEW_SLIP_SD**2 if memory.slip_s < LEARNT_S else AGAIN_SD**2
+        memory.p[USUAL, USUAL] += AGAIN_SD**2 if memory.lowered else NEW_SLIP_SD**2
+        memory.raised, memory.lowered = 0, 1
 
 
 @law

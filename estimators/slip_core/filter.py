@@ -106,7 +106,8 @@ def advance(
         motion.step(memory.x, memory.rim_mps, front_turn, fading, dt, tuning, f)
         receiver = memory.excess[FROM_GNSS] * (tuning.receiver_share * nominal.velocity_sd_mps) ** 2
         quick = memory.excess[FROM_TOWED] * tuning.quick_sd**2
-        motion.noise(f, jerk, wheel, both, receiver, quick, nominal.gravity, dt, tuning, q)
+        camera, gravity = memory.camera_psd, nominal.gravity
+        motion.noise(f, jerk, wheel, both, receiver, quick, camera, gravity, dt, tuning, q)
         motion.carry(memory.p, f, q, room)
     memory.time_ns = max(memory.time_ns, epoch_ns)
 
@@ -149,7 +150,7 @@ def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Rec
     speed, sd = signal.v_x_mps, signal.v_sd_mps
     if not (math.isfinite(speed) and math.isfinite(sd)):
         return
-    if _is_carried(speed, signal.epoch_ns, memory):
+    if _is_carried(signal.horizontal_mps, signal.epoch_ns, memory):
         return
     memory.seen_ns[FROM_GNSS], memory.seen_mps[FROM_GNSS] = signal.epoch_ns, speed
     if not memory.known:
@@ -183,6 +184,7 @@ def _take_camera(signal: Record, age: float, h: Array, tuning: Record, memory: R
         return
     memory.seen_ns[FROM_CAMERA], memory.seen_mps[FROM_CAMERA] = signal.epoch_ns, speed
     white = signal.v_sd_mps**2 + (CAMERA_SD * speed) ** 2
+    learn.camera_walk(speed, signal.epoch_ns, tuning.camera_psd, memory)
     if not memory.known:
         if not math.isfinite(memory.first_mps):
             memory.first_mps = speed

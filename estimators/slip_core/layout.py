@@ -43,6 +43,8 @@ NO_IMU = 64
 ONE_WHEEL = 128
 """Flag: the driven wheels disagree more than turning explains; one of them is taken alone."""
 
+FIRST_CAMERA_PSD = 1e-4
+"""Density of the walk of a camera's scale before it is learnt: 1 % in a second [1/s]."""
 FIRST_SLIP_SD = 0.04
 """sd of slip about the usual one before it is learnt; 0.03 ploughing."""
 FIRST_JITTER_S = 1e-3
@@ -60,7 +62,8 @@ MEMORY = np.dtype(
         ("first_mps", "f8"), ("first_var", "f8"), ("spans", "i8", 2), ("step", "f8", 2),
         ("step_s", "f8"), ("rim_mps", "f8"), ("apart_mps", "f8", 2), ("lifted", "i8"),
         ("leaps", "i8", 2), ("miscount", "f8"), ("raised", "i8"), ("lowered", "i8"),
-        ("jitter_var", "f8"), ("count_var", "f8"), ("counted", "i8"), ("spin", "f8"), ("unrest", "f8"), ("slip_var", "f8"), ("slip_s", "f8"), ("off_towed", "f8"), ("accel", "f8", LAGS), ("accel_ns", "i8", LAGS),
+        ("jitter_var", "f8"), ("count_var", "f8"), ("counted", "i8"), ("spin", "f8"), ("unrest", "f8"), ("slip_var", "f8"), ("slip_s", "f8"), ("camera_psd", "f8"),
+        ("camera_scale", "f8", 2), ("camera_ns", "i8"), ("off_towed", "f8"), ("accel", "f8", LAGS), ("accel_ns", "i8", LAGS),
         ("accel_count", "i8"), ("accel_var", "f8"), ("jerk_psd", "f8"),
         ("repeated_mps", "f8"), ("changed_ns", "i8"), ("interval_s", "f8"),
         ("mean_load", "f8", HELD), ("line", "f8", HELD), ("line_p", "f8", (HELD, HELD)),
@@ -82,7 +85,8 @@ of their count if it was too large to be noise; `jitter_var`: variance of the in
 counted travel; `counted`: samples that these are learnt from;
 `spin`: the factor of the noise on the driven wheels' own motion; `unrest`: of that on the motion
 of both axles, where no accelerometer tells it; `slip_var`: variance of slip about the
-usual one, learnt for `slip_s`; `off_towed`: last e / sqrt(S) of the towed wheels; `accel`: the last accelerations,
+usual one, learnt for `slip_s`; `camera_*`: density of the walk of a camera's scale, and the scales that it
+is learnt from; `off_towed`: last e / sqrt(S) of the towed wheels; `accel`: the last accelerations,
 newest first; `repeated_mps`, `changed_ns`, `interval_s`: the receiver's last new speed, when it
 came, and after what time one usually does; `mean_load`, `line`, `line_p`: the mean loads, the line
 from them to slip, and its covariance; `pitch_*`: how the body has turned nose down, and had at
@@ -99,6 +103,7 @@ def first_memory(jerk_psd: float) -> NDArray[Any]:
     memory["first_mps"] = memory["repeated_mps"] = memory["gyro"] = np.nan
     memory["interval_s"] = memory["excess"] = memory["spin"] = memory["unrest"] = 1.0
     memory["jerk_psd"] = jerk_psd
+    memory["camera_psd"] = FIRST_CAMERA_PSD
     memory["slip_var"] = FIRST_SLIP_SD**2
     memory["jitter_var"] = FIRST_JITTER_S**2
     return memory

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from estimators.kalman import Record
-from estimators.slip_core.layout import LAGS
+from estimators.slip_core.layout import FROM_GNSS, LAGS, V
 from twin.compute.compiled import law
 
 SETTLE, JERK_SETTLE = 100.0, 500.0
@@ -14,6 +14,11 @@ CLIP, JERK_CLIP = 9.0, 4.0
 """A square counts at most as so many variances: an event is not noise."""
 QUICK_S = 0.25
 """A source with longer steps than this shows the motion in its second differences [s]."""
+MOVING_MPS = 0.5
+"""Above this speed a camera's scale is learnt [m/s]."""
+CAMERA_SHARE, CAMERA_STEP_S, CAMERA_PACE, MOST_CAMERA = 0.03, 2.0, 0.15, 1e-3
+"""Share of a frame in the mean of a second, time between two of them [s], share of one step in the
+density of the walk, and the most that it does [1/s]."""
 PACE = 0.01
 """How fast a factor follows normalised innovations that are too large on average."""
 
@@ -70,6 +75,35 @@ def white_var(source: int, speed: float, epoch_ns: int, told_var: float, memory:
     last[0] = speed
     memory.white_ns[source] = epoch_ns
     return max(memory.white_var[source], told_var)
+
+
+@law
+def camera_walk(speed: float, epoch_ns: int, least: float, memory: Record) -> None:
+    """Density of the walk of a camera's scale, from what GNSS and wheels make of it.
+
+    c = speed / v - 1 over a second,   E (c_k - c_k-1)^2 = psd dt
+
+    Until it is seen to be steady, a camera whose height nobody knows says how speed changes, and
+    not how large it is.
+    """
+    told = memory.known and memory.refused_ns[FROM_GNSS] < 0
+    told = told and epoch_ns - memory.seen_ns[FROM_GNSS] < 1.5e9 and abs(memory.x[V]) > MOVING_MPS
+    if not told:
+        memory.camera_ns = -1
+        return
+    scale = speed / memory.x[V] - 1.0
+    if memory.camera_ns < 0 or epoch_ns - memory.camera_ns > 10e9:
+        memory.camera_ns, memory.camera_scale[0] = epoch_ns, scale
+        memory.camera_scale[1] = math.nan
+        return
+    memory.camera_scale[0] += CAMERA_SHARE * (scale - memory.camera_scale[0])
+    dt = (epoch_ns - memory.camera_ns) * 1e-9
+    if dt > CAMERA_STEP_S:
+        step = memory.camera_scale[0] - memory.camera_scale[1]
+        if math.isfinite(step):
+            memory.camera_psd += CAMERA_PACE * (min(step**2 / dt, MOST_CAMERA) - memory.camera_psd)
+            memory.camera_psd = max(memory.camera_psd, least)
+        memory.camera_scale[1], memory.camera_ns = memory.camera_scale[0], epoch_ns
 
 
 @law

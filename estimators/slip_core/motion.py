@@ -130,7 +130,7 @@ SWING_DAMPING = 0.15
 @law
 def noise(
     f: Array, jerk: float, wheel: float, both: float, receiver_var: float, quick_var: float,
-    gravity: float, dt: float, tuning: Record, q: Array,
+    camera_psd: float, gravity: float, dt: float, tuning: Record, q: Array,
 ) -> None:  # fmt: skip
     """Fill Q of a step.
 
@@ -139,6 +139,7 @@ def noise(
         jerk, wheel, both: densities of the noise on a, on r, and of both together [m2/s5].
         receiver_var: variance of GNSS's lasting error [m2/s2].
         quick_var: variance of the towed wheels' quick error.
+        camera_psd: density of the walk of a camera's scale [1/s].
         gravity: 1 where gravity leaks into the accelerations, else 0.
         dt: the step [s].
         tuning: record of the filter's constants.
@@ -158,7 +159,7 @@ def noise(
     q[BIAS, BIAS] = (tuning.bias_psd + gravity * tuning.leak_psd) * dt
     q[WHEEL_BIAS, WHEEL_BIAS] = tuning.bias_psd * dt
     q[USUAL, USUAL] = tuning.usual_psd * dt
-    q[CAMERA, CAMERA] = tuning.camera_psd * dt
+    q[CAMERA, CAMERA] = camera_psd * dt
     q[RADIUS, RADIUS] = q[LATE, LATE] = 1e-9 * dt
     q[ACROSS, ACROSS] = tuning.across_psd * dt
 
