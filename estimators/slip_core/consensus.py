@@ -30,7 +30,7 @@ def cost(v: float, asking: int, memory: Record) -> float:
     """What the sources beside the one that asks say against a ground speed [-]."""
     total = 0.0
     speed = max(abs(v), 0.5)
-    for source in (FROM_GNSS, FROM_TOWED, TOWED, FROM_CAMERA, FROM_DRIVEN):
+    for source in (FROM_GNSS, FROM_TOWED, FROM_CAMERA, FROM_DRIVEN):
         since = (memory.time_ns - memory.seen_ns[source]) * 1e-9
         said = memory.seen_mps[source]
         if source == asking or memory.seen_ns[source] < 0 or since > RECENT_S:
