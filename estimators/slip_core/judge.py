@@ -26,6 +26,8 @@ from twin.compute.compiled import law
 
 DOUBT = 1.0
 """Without an accelerometer the estimate itself is doubted by so much [-]."""
+OFF_SHARE = 0.1
+"""Share of a sample in the mean by which a source is off."""
 BACK = 0.5
 """Once refused, a speed is taken again within this share of the gate."""
 PRESS = 1.0
@@ -58,12 +60,16 @@ def judged(
         memory.refused_ns[source] = -1
         return True
     memory.flags |= GATED
+    off = memory.seen_mps[source] - memory.x[V]
     if not refused:
         memory.refused_ns[source] = memory.time_ns
+        memory.off_mps[source] = off
+    memory.off_mps[source] += OFF_SHARE * (off - memory.off_mps[source])
     since = (memory.time_ns - memory.refused_ns[source]) * 1e-9
     if felt(memory) and since < tuning.patience_s:
         return False
-    said, own = memory.seen_mps[source], memory.x[V]
+    own = memory.x[V]
+    said = own + memory.off_mps[source]
     press = PRESS * since if source == FROM_GNSS and not repeated else 0.0
     press += 0.0 if felt(memory) else DOUBT
     backed = cost(own, source, memory) + press >= cost(said, source, memory)

@@ -57,7 +57,7 @@ MEMORY = np.dtype(
         ("x", "f8", SIZE), ("p", "f8", (SIZE, SIZE)), ("known", "i8"), ("flags", "i8"),
         ("time_ns", "i8"), ("measured_ns", "i8"), ("wheels_ns", "i8"), ("imu_ns", "i8"),
         ("seen_ns", "i8", SOURCES), ("seen_mps", "f8", SOURCES), ("refused_ns", "i8", SOURCES),
-        ("white_ns", "i8", SOURCES), ("white_last", "f8", (SOURCES, 2)), ("white_var", "f8", SOURCES),
+        ("off_mps", "f8", SOURCES),        ("white_ns", "i8", SOURCES), ("white_last", "f8", (SOURCES, 2)), ("white_var", "f8", SOURCES),
         ("excess", "f8", SOURCES), ("nis_sum", "f8", SOURCES), ("nis_count", "i8", SOURCES),
         ("first_mps", "f8"), ("first_var", "f8"), ("spans", "i8", 2), ("step", "f8", 2),
         ("step_s", "f8"), ("rim_mps", "f8"), ("apart_mps", "f8", 2), ("lifted", "i8"),
@@ -75,7 +75,7 @@ MEMORY = np.dtype(
 """A plain value.
 
 `seen_*`: when each source last spoke, and the ground speed that it gave; `refused_ns`: since when
-it is refused; `excess`: the factor of its quick error's variance; `white_*`: variance of its white noise, and the
+it is refused, and `off_mps` by how much on average; `excess`: the factor of its quick error's variance; `white_*`: variance of its white noise, and the
 speeds it is learnt from; `spans`: 1 while the count of
 the driven and of the towed axle has an unbroken origin; `step`: their last counted travels, in
 `step_s`; `rim_mps`: counted speed of the driven wheels over some seconds; `apart_mps`: right less
