@@ -198,7 +198,7 @@ def _listen(rear: float, front: float, step_s: float, memory: Record) -> None:
         memory.jitter_var = _follow(memory.jitter_var, d_rear * d_front / (6.0 * rear * front), gain)
         own = (d_rear - ratio * d_front) ** 2 / (6.0 * (1.0 + ratio**2))
         memory.count_var = _follow(memory.count_var, own, gain)
-    elif math.isfinite(d_rear):
+    elif math.isfinite(d_rear) and memory.time_ns - memory.seen_ns[FROM_TOWED] > 1e9:
         memory.jitter_var = 0.0
         memory.count_var = _follow(memory.count_var, d_rear**2 / 6.0, gain)
 
@@ -206,8 +206,8 @@ def _listen(rear: float, front: float, step_s: float, memory: Record) -> None:
 @law
 def _follow(now: float, found: float, gain: float) -> float:
     """A variance follows what is found, of which nine times as much counts at most."""
-    most = 9.0 * max(now, 1e-9)
-    return max(now + gain * (min(max(found, -most), most) - now), 0.0)
+    some = max(now, 1e-8)
+    return max(now + gain * (min(max(found, -some), 9.0 * some) - now), 0.0)
 
 
 @law
