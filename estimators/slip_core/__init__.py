@@ -41,7 +41,7 @@ class SlipCore:
 
     jerk_psd: float = 0.03
     """Least density of the white jerk [m2/s5]."""
-    restless: float = 2.0
+    restless: float = 1.0
     """Density of the jerk over what the accelerometer shows of it in some tenths of a second."""
     fading_s: float = 1.0
     """Time over which an acceleration is forgotten [s]."""
@@ -51,7 +51,7 @@ class SlipCore:
     """What governed wheels lose of their speed over what the ground speed loses under load."""
     own_share: float = 0.05
     """Density of the wheels' own jerk over that of the ground speed."""
-    usual_psd: float = 1e-5
+    usual_psd: float = 3e-6
     """Density of the walk of the slip that load and ground call for [1/s]."""
     swing_sd: float = 0.001
     """sd of the slip that comes of pitching."""

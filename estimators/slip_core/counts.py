@@ -125,7 +125,7 @@ def take_wheels(
     if math.isfinite(front):
         memory.seen_ns[FROM_TOWED], memory.seen_mps[FROM_TOWED] = signal.epoch_ns, front / way
     _take_front(age, tau, spans, front, front_var, front_turn, h, tuning, memory)
-    _take_rear(age, tau, spans, rear, rear_var, h, tuning, memory)
+    _take_rear(age, tau, spans, rear, rear_var, dt, h, tuning, memory)
     _take_accel(signal, dt, h, memory)
     _zero(slower[RAISED], h, memory)
     if slower[RAISED] != 1.0:
@@ -254,8 +254,8 @@ def _take_front(
 
 @law
 def _take_rear(
-    age: float, tau: float, spans: bool, speed: float, var: float, h: Array, tuning: Record,
-    memory: Record,
+    age: float, tau: float, spans: bool, speed: float, var: float, dt: float, h: Array,
+    tuning: Record, memory: Record,
 ) -> None:  # fmt: skip
     """Counted travel of the driven wheels where it is unbroken, else their speed."""
     if not (math.isfinite(speed) and math.isfinite(var)):
@@ -284,6 +284,8 @@ def _take_rear(
         grow(memory.p, way, error**2 - total)
     memory.miscount = error if leapt else 0.0
     take(memory.x, memory.p, h, error, r, memory.raised)
+    if not leapt and abs(speed) > SLOW_MPS and 0.0 < dt < 1.0:
+        learn.gain(memory.x[V], speed, dt, tuning.load_gain, memory)
     if travels:
         memory.x[REAR] -= counted
     elif tau > 0.0:

@@ -122,10 +122,18 @@ def unrest(heard: bool, tuning: Record, memory: Record) -> tuple[float, float, f
     """
     if heard:
         jerk = max(tuning.restless * memory.jerk_psd, tuning.jerk_psd)
-        gain, own = tuning.load_gain, tuning.own_share
+        gain, own = shared(tuning, memory), tuning.own_share
         return jerk, memory.spin * jerk * (gain**2 + own), gain * jerk
     jerk = UNHEARD_PSD * memory.unrest
     return jerk, jerk + OWN_PSD * memory.spin, jerk
+
+
+@law
+def shared(tuning: Record, memory: Record) -> float:
+    """What of the ground's acceleration the driven wheels share, as far as it is learnt."""
+    if memory.swings[1] == 0.0:
+        return float(tuning.load_gain)
+    return float(min(max(memory.swings[0] / memory.swings[1], 0.0), 1.0))
 
 
 @law
@@ -239,7 +247,7 @@ def _take_imu(
     memory.nis_count[FROM_IMU] += 1
     if error**2 > FOLLOW**2 * total:
         jolt, step = error**2 - total, min(max(dt, 1e-3), 0.1)
-        gain, own = tuning.load_gain, tuning.own_share
+        gain, own = shared(tuning, memory), tuning.own_share
         psd = jolt / step
         motion.shaken(memory.p, psd, psd * (gain**2 + own), psd * gain, step)
     take(memory.x, memory.p, h, error, white, memory.raised)

@@ -62,7 +62,7 @@ MEMORY = np.dtype(
         ("first_mps", "f8"), ("first_var", "f8"), ("spans", "i8", 2), ("step", "f8", 2),
         ("step_s", "f8"), ("rim_mps", "f8"), ("apart_mps", "f8", 2), ("lifted", "i8"),
         ("leaps", "i8", 2), ("miscount", "f8"), ("raised", "i8"), ("lowered", "i8"),
-        ("jitter_var", "f8"), ("count_var", "f8"), ("counted", "i8"), ("spin", "f8"), ("unrest", "f8"), ("slip_var", "f8"), ("slip_s", "f8"), ("camera_psd", "f8"),
+        ("jitter_var", "f8"), ("count_var", "f8"), ("counted", "i8"), ("spin", "f8"), ("unrest", "f8"), ("slow", "f8", 2), ("swings", "f8", 2), ("slip_var", "f8"), ("slip_s", "f8"), ("camera_psd", "f8"),
         ("camera_scale", "f8", 2), ("camera_ns", "i8"), ("off_towed", "f8"), ("accel", "f8", LAGS), ("accel_ns", "i8", LAGS),
         ("accel_count", "i8"), ("accel_var", "f8"), ("jerk_psd", "f8"),
         ("repeated_mps", "f8"), ("changed_ns", "i8"), ("interval_s", "f8"),
@@ -84,7 +84,8 @@ air; `leaps`: samples in a row in which no driven, or no towed, wheel could be r
 of their count if it was too large to be noise; `jitter_var`: variance of the instants of reading; `count_var`: of an axle's
 counted travel; `counted`: samples that these are learnt from;
 `spin`: the factor of the noise on the driven wheels' own motion; `unrest`: of that on the motion
-of both axles, where no accelerometer tells it; `slip_var`: variance of slip about the
+of both axles, where no accelerometer tells it; `slow`, `swings`: slow parts of both speeds, and how the quick ones
+swing together; `slip_var`: variance of slip about the
 usual one, learnt for `slip_s`; `camera_*`: density of the walk of a camera's scale, and the scales that it
 is learnt from; `off_towed`: last e / sqrt(S) of the towed wheels; `accel`: the last accelerations,
 newest first; `repeated_mps`, `changed_ns`, `interval_s`: the receiver's last new speed, when it

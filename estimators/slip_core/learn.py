@@ -14,6 +14,9 @@ CLIP, JERK_CLIP = 9.0, 4.0
 """A square counts at most as so many variances: an event is not noise."""
 QUICK_S = 0.25
 """A source with longer steps than this shows the motion in its second differences [s]."""
+GAIN_SLOW_S, GAIN_S, GAIN_PRIOR_MPS = 0.5, 30.0, 0.01
+"""What lasts longer than the first of these is slow, the gain is learnt over the second [s], and
+the prior of it counts as much as swings of the last [m/s]."""
 MOVING_MPS = 0.5
 """Above this speed a camera's scale is learnt [m/s]."""
 CAMERA_SHARE, CAMERA_STEP_S, CAMERA_PACE, MOST_CAMERA = 0.03, 2.0, 0.15, 1e-3
@@ -75,6 +78,28 @@ def white_var(source: int, speed: float, epoch_ns: int, told_var: float, memory:
     last[0] = speed
     memory.white_ns[source] = epoch_ns
     return max(memory.white_var[source], told_var)
+
+
+@law
+def gain(ground: float, wheel: float, dt: float, prior: float, memory: Record) -> None:
+    """Learn how much of what the ground speed changes by quickly the driven wheels do, too.
+
+    gain = E (w - slow w) (v - slow v) / E (v - slow v)^2
+
+    A load slows the ground and leaves governed wheels most of their speed; a throttle changes both.
+    """
+    share = min(dt / GAIN_SLOW_S, 1.0)
+    swings = memory.swings
+    if swings[1] == 0.0:
+        memory.slow[0], memory.slow[1] = ground, wheel
+        swings[1] = GAIN_PRIOR_MPS**2 * GAIN_S
+        swings[0] = prior * swings[1]
+    memory.slow[0] += share * (ground - memory.slow[0])
+    memory.slow[1] += share * (wheel - memory.slow[1])
+    v, w = ground - memory.slow[0], wheel - memory.slow[1]
+    keep = max(1.0 - dt / GAIN_S, 0.0)
+    swings[0] = keep * swings[0] + v * w * dt
+    swings[1] = max(keep * swings[1] + v * v * dt, 1e-9)
 
 
 @law
