@@ -38,9 +38,12 @@ def read(
     """
     east, north, up, heading, quality = sample[0], sample[1], sample[2], sample[3], sample[4]
     p, q, r, yaw = turning_at(epoch_ns, memory)
-    if (sample[:4] == memory.gnss).all():
+    repeated = True
+    for i in range(4):
+        repeated = repeated and sample[i] == memory.gnss[i]
+        memory.gnss[i] = sample[i]
+    if repeated:
         signal.flags |= REPEATED
-    memory.gnss[:] = sample[:4]
     if np.isfinite(heading):
         memory.heading_offset_rad = heading - nominal.heading_mount_rad - yaw
         memory.heading_ns = epoch_ns

@@ -65,9 +65,12 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
     memory.step_s, memory.gyro = 0.0, math.nan
     for i in range(SIZE):
         x[i] = 0.0
-        memory_row_zero(p, i)
+        for j in range(SIZE):
+            p[i, j] = 0.0
     x[V], x[W] = speed, rear
-    tau = signal.wheel_age_s.max()
+    tau = 0.0
+    for i in range(4):
+        tau = max(tau, signal.wheel_age_s[i])
     bias_sd = max(nominal.accel_bias_sd_mps2, LEAST_BIAS_SD_MPS2)
     swing = tuning.swing_sd
     for state, deviation in (
@@ -96,12 +99,6 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
     if math.isfinite(front):
         memory.seen_ns[FROM_TOWED], memory.seen_mps[FROM_TOWED] = signal.epoch_ns, front
     _usual(memory)
-
-
-@law
-def memory_row_zero(p, i):
-    for j in range(SIZE):
-        p[i, j] = 0.0
 
 
 @law

@@ -25,6 +25,7 @@ from estimators.slip_core.layout import (
     RATE,
     READING,
     REAR,
+    NUMBER,
     SIZE,
     TOWED,
     USUAL,
@@ -78,14 +79,17 @@ def take_wheels(
         slower: what slower sensors said, `held.Held.values`.
         h: room for a row, (SIZE,).
     """
-    wheels, sd = signal.wheel_mps.copy(), signal.wheel_sd_mps
+    wheels, sd = np.empty(4), signal.wheel_sd_mps
+    tau = 0.0
+    for i in range(4):
+        wheels[i] = signal.wheel_mps[i]
+        tau = max(tau, signal.wheel_age_s[i])
     pitched = turned(signal.epoch_ns, memory)
     if not memory.known:
         begin(signal, age, nominal, tuning, memory)
         memory.wheels_ns = signal.epoch_ns
         return
     dt = (signal.epoch_ns - memory.wheels_ns) * 1e-9
-    tau = signal.wheel_age_s.max()
     jump = JUMP_MPS
     if tau > 0.0:
         jump += LEAP * abs(memory.rim_mps) * math.sqrt(2.0 * memory.jitter_var) / (2.0 * tau)
@@ -120,7 +124,7 @@ def take_wheels(
     if tau > 0.0:
         front += pitched / (2.0 * tau) * radius(nominal, 1.0)
         _listen(rear, front, 2.0 * tau, memory)
-        restart(memory.x, memory.p, READING, memory.jitter_var)
+        restart(memory.x, memory.p, NUMBER[READING], memory.jitter_var)
     spans = age == 0.0 and abs(2.0 * tau - dt) < 1e-6
     if math.isfinite(front):
         memory.seen_ns[FROM_TOWED], memory.seen_mps[FROM_TOWED] = signal.epoch_ns, front / way
@@ -215,12 +219,12 @@ def _stand(rear: float, front: float, h: Array, memory: Record) -> None:
     """A machine whose wheels all stand still stands still, and does not slip."""
     still = rear == 0.0 and (front == 0.0 or math.isnan(front)) and abs(memory.x[V]) < 0.1
     if still:
-        rows.one(V, h)
-        take(memory.x, memory.p, h, -memory.x[V], 0.01**2, 0)
-        rows.one(A, h)
-        take(memory.x, memory.p, h, -memory.x[A], 0.05**2, 0)
-        restart(memory.x, memory.p, W, 0.05**2)
-        restart(memory.x, memory.p, RATE, 0.3**2)
+        rows.one(NUMBER[V], h)
+        take(memory.x, memory.p, h, -memory.x[V], 0.01**2, memory.raised)
+        rows.one(NUMBER[A], h)
+        take(memory.x, memory.p, h, -memory.x[A], 0.05**2, memory.raised)
+        restart(memory.x, memory.p, NUMBER[W], 0.05**2)
+        restart(memory.x, memory.p, NUMBER[RATE], 0.3**2)
 
 
 @law
@@ -236,19 +240,19 @@ def _take_front(
     counted, count_var = speed * 2.0 * tau, max(var * 2.0 * tau**2, memory.count_var)
     travels = spans and memory.spans[1] == 1
     if travels:
-        error, r = counted - rows.travel(memory.x, FRONT, speed, h), count_var
+        error, r = counted - rows.travel(memory.x, NUMBER[FRONT], speed, h), count_var
     else:
-        r = learn.white_var(FROM_TOWED, speed, memory.time_ns, var, memory) if tau == 0.0 else var
+        r = learn.white_var(NUMBER[FROM_TOWED], speed, memory.time_ns, var, memory) if tau == 0.0 else var
         error = speed - rows.towed(memory.x, age + tau, front_turn, h)
     memory.off_towed = error / math.sqrt(variance(memory.p, h, r))
-    if judged(FROM_TOWED, h, error, r, False, tuning, memory):
+    if judged(NUMBER[FROM_TOWED], h, error, r, 0.0, tuning, memory):
         take(memory.x, memory.p, h, error, r, memory.raised)
         memory.measured_ns = memory.time_ns
         memory.x[FRONT] -= counted
     else:
         travels = False
     if not travels and tau > 0.0:
-        restart(memory.x, memory.p, FRONT, count_var + speed**2 * memory.jitter_var)
+        restart(memory.x, memory.p, NUMBER[FRONT], count_var + speed**2 * memory.jitter_var)
         memory.spans[1] = 1
 
 
@@ -264,9 +268,9 @@ def _take_rear(
     counted, count_var = speed * 2.0 * tau, max(var * 2.0 * tau**2, memory.count_var)
     travels = spans and memory.spans[0] == 1
     if travels:
-        error, r = counted - rows.travel(memory.x, REAR, speed, h), count_var
+        error, r = counted - rows.travel(memory.x, NUMBER[REAR], speed, h), count_var
     else:
-        r = learn.white_var(FROM_DRIVEN, speed, memory.time_ns, var, memory) if tau == 0.0 else var
+        r = learn.white_var(NUMBER[FROM_DRIVEN], speed, memory.time_ns, var, memory) if tau == 0.0 else var
         error = speed - rows.driven(memory.x, memory.rim_mps, age + tau, h)
     total = variance(memory.p, h, r)
     nis = error**2 / total
@@ -289,7 +293,7 @@ def _take_rear(
     if travels:
         memory.x[REAR] -= counted
     elif tau > 0.0:
-        restart(memory.x, memory.p, REAR, count_var + speed**2 * memory.jitter_var)
+        restart(memory.x, memory.p, NUMBER[REAR], count_var + speed**2 * memory.jitter_var)
         memory.spans[0] = 1
 
 
@@ -322,11 +326,11 @@ def _take_accel(signal: Record, dt: float, h: Array, memory: Record) -> None:
     if n == 0:
         return
     step = min(max(dt, 0.0), 0.1)
-    motion.integrated(memory.p, W, RATE, MEASURED_PSD * memory.rim_mps**2, step)
+    motion.shaken(memory.p, 0.0, MEASURED_PSD * memory.rim_mps**2, 0.0, step)
     error = accel / n - rows.wheel_accel(memory.x, h)
     total = variance(memory.p, h, WHEEL_ACCEL_SD**2)
     if error**2 > 9.0 * total:
-        motion.integrated(memory.p, W, RATE, (error**2 - total) / max(step, 1e-3), step)
+        motion.shaken(memory.p, 0.0, (error**2 - total) / max(step, 1e-3), 0.0, step)
     take(memory.x, memory.p, h, error, WHEEL_ACCEL_SD**2, memory.raised)
 
 
@@ -356,7 +360,7 @@ def _zero(raised: float, h: Array, memory: Record) -> None:
                 _reload(-1.0, memory)
         if abs(memory.x[V]) > 0.5 and abs(memory.x[A]) < 0.3:
             error = -rows.no_slip(memory.x, ZERO_SLIP, h)
-            take(memory.x, memory.p, h, error, (ZERO_SLIP_SD * memory.rim_mps) ** 2, 1)
+            take(memory.x, memory.p, h, error, (ZERO_SLIP_SD * memory.rim_mps) ** 2, memory.raised)
     elif raised == 0.0 and memory.raised == 1:
         _reload(1.0, memory)
         memory.p[USUAL, USUAL] += AGAIN_SD**2 if memory.lowered else NEW_SLIP_SD**2

@@ -28,6 +28,7 @@ from estimators.slip_core.layout import (
     FROM_GNSS,
     FROM_IMU,
     FROM_TOWED,
+    NUMBER,
     SIZE,
     TILTING,
     A,
@@ -49,7 +50,8 @@ forgotten [s], and density of the driven
 wheels own jerk [m2/s5]; the driver changes both speeds."""
 MOST_EXCESS = 16.0
 """No receiver's noise is more than four times what it says."""
-AGE_PSD = 1.0
+PRESS = 1.0
+"""By so much per second counts that GNSS stays with what it says [1/s]."""
 GYRO_GAP_S = 0.5
 """Step longer than this and the gyro's integral means nothing [s]."""
 
@@ -166,16 +168,16 @@ def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Rec
         memory.measured_ns = signal.epoch_ns
         return
     error = speed - rows.gnss(memory.x, age, h)
-    white = learn.white_var(FROM_GNSS, speed, signal.epoch_ns, sd**2, memory)
+    white = learn.white_var(NUMBER[FROM_GNSS], speed, signal.epoch_ns, sd**2, memory)
     white += max(memory.jerk_psd, tuning.jerk_psd) * age**3 / 3.0
-    repeated = signal.epoch_ns != memory.changed_ns
+    press = PRESS if signal.epoch_ns == memory.changed_ns else 0.0
     nis = error**2 / variance(memory.p, h, white)
-    if judged(FROM_GNSS, h, error, white, repeated, tuning, memory):
+    if judged(NUMBER[FROM_GNSS], h, error, white, press, tuning, memory):
         memory.excess[FROM_GNSS] = learn.factor(memory.excess[FROM_GNSS], nis, 1.0, 1.0, MOST_EXCESS)
         take(memory.x, memory.p, h, error, white, memory.raised)
         memory.measured_ns = signal.epoch_ns
     if math.isfinite(signal.v_y_held_mps):
-        rows.one(ACROSS, h)
+        rows.one(NUMBER[ACROSS], h)
         error, white = signal.v_y_held_mps - memory.x[ACROSS], signal.v_y_held_sd_mps**2
         total = variance(memory.p, h, white)
         if error**2 > tuning.gate**2 * total:  # a skid is rare, a wrong heading is not: in part
@@ -199,7 +201,7 @@ def _take_camera(signal: Record, age: float, h: Array, tuning: Record, memory: R
             memory.first_var = white + (tuning.scale_sd * speed) ** 2
         return
     error = speed - rows.camera(memory.x, age, h)
-    if judged(FROM_CAMERA, h, error, white, False, tuning, memory):
+    if judged(NUMBER[FROM_CAMERA], h, error, white, 0.0, tuning, memory):
         take(memory.x, memory.p, h, error, white, memory.raised)
         memory.measured_ns = signal.epoch_ns
 
@@ -226,7 +228,7 @@ def _take_imu(
             tilt = 0.5 * (memory.gyro + signal.gyro_y_radps) * min(max(dt, 0.0), 0.1)
             memory.x[BIAS] -= GRAVITY_MPS2 * tilt
         else:
-            restart(memory.x, memory.p, TILTING, (GRAVITY_MPS2 * GYRO_BIAS_SD_RADPS) ** 2)
+            restart(memory.x, memory.p, NUMBER[TILTING], (GRAVITY_MPS2 * GYRO_BIAS_SD_RADPS) ** 2)
         memory.gyro = signal.gyro_y_radps
         # the unit stands above the axle: pitching moves it
         accel -= memory.pitch_accel * nominal.imu_m[2]

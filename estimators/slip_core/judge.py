@@ -30,15 +30,13 @@ OFF_SHARE = 0.1
 """Share of a sample in the mean by which a source is off."""
 BACK = 0.5
 """Once refused, a speed is taken again within this share of the gate."""
-PRESS = 1.0
-"""By so much per second counts that GNSS stays with what it says [1/s]."""
 SLOW_MPS, MOST_SHARE = 0.5, 0.1
 """Below this speed an error says little of a scale, and none is off by more at once."""
 
 
 @law
 def judged(
-    source: int, h: Array, error: float, r: float, repeated: bool, tuning: Record, memory: Record
+    source: int, h: Array, error: float, r: float, press: float, tuning: Record, memory: Record
 ) -> bool:
     """Whether a speed is taken now.
 
@@ -47,7 +45,8 @@ def judged(
         h: its row, (SIZE,).
         error: what it says less what was foretold [m/s], or of a travel [m].
         r: its variance.
-        repeated: it is the last value to the bit: that it stays with what it says proves nothing.
+        press: what it counts that the source stays with what it says [1/s]; 0 for what repeats its
+            last value to the bit, which proves nothing.
         tuning, memory: records; `memory` is changed.
     """
     total = variance(memory.p, h, r)
@@ -70,9 +69,8 @@ def judged(
         return False
     own = memory.x[V]
     said = own + memory.off_mps[source]
-    press = PRESS * since if source == FROM_GNSS and not repeated else 0.0
-    press += 0.0 if felt(memory) else DOUBT
-    backed = cost(own, source, memory) + press >= cost(said, source, memory)
+    pressed = press * since + (0.0 if felt(memory) else DOUBT)
+    backed = cost(own, source, memory) + pressed >= cost(said, source, memory)
     if not backed and (source == FROM_GNSS or since < tuning.patience_s):
         return False
     doubt(source, said - own, max(since, tuning.patience_s), backed, memory)

@@ -27,6 +27,9 @@ RECEIVER, LATE, ACROSS = range(17, 20)
 """Error of GNSS that lasts [m/s], time by which it is later than it says [s], and velocity across
 the body [m/s]."""
 SIZE = 20
+NUMBER = np.arange(SIZE)
+"""A number from here is no constant to the compiler, which would compile what it is passed to
+anew for each constant."""
 
 FROM_GNSS, FROM_TOWED, FROM_CAMERA, FROM_DRIVEN, FROM_IMU = range(5)
 """The sources, as `seen_mps` and the like count them."""

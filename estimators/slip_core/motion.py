@@ -75,7 +75,6 @@ def step(
     for i in range(SIZE):
         f[i, i] = 1.0
     half = 0.5 * dt
-    fade = math.exp(-dt / fading_s)
     v = x[V] + half * x[A]
     w = x[W] + rim * x[SWING] + half * (x[RATE] + rim * x[SWING_RATE])
     driven = 1.0 + x[RADIUS]
@@ -94,19 +93,16 @@ def step(
     x[V] += dt * x[A]
     f[BIAS, TILTING] = dt
     x[BIAS] += dt * x[TILTING]
-    _fade(x, f, A, fade)
-    _fade(x, f, RATE, fade)
-    _fade(x, f, QUICK, math.exp(-dt / tuning.quick_s))
-    _fade(x, f, RECEIVER, math.exp(-dt / tuning.receiver_s))
-    _fade(x, f, TOWED, math.exp(-dt / tuning.towed_s))
+    for i, lasts_s in (
+        (A, fading_s),
+        (RATE, fading_s),
+        (QUICK, tuning.quick_s),
+        (RECEIVER, tuning.receiver_s),
+        (TOWED, tuning.towed_s),
+    ):
+        f[i, i] = math.exp(-dt / lasts_s)
+        x[i] *= f[i, i]
     _swing(x, f, dt, tuning)
-
-
-@law
-def _fade(x: Array, f: Array, i: int, by: float) -> None:
-    """A state that is forgotten: x_i <- by x_i."""
-    f[i, i] = by
-    x[i] *= by
 
 
 @law
@@ -147,9 +143,8 @@ def noise(
     """
     q[:, :] = 0.0
     shaken(q, jerk, wheel, both, dt)
-    _kept(f, QUICK, quick_var, q)
-    _kept(f, RECEIVER, receiver_var, q)
-    _kept(f, TOWED, tuning.scale_sd**2, q)
+    for i, var in ((QUICK, quick_var), (RECEIVER, receiver_var), (TOWED, tuning.scale_sd**2)):
+        q[i, i] = var * (1.0 - f[i, i] ** 2)  # keeps the variance of what is forgotten
     at = tuning.swing_sd**2
     rate = at * (2.0 * math.pi * tuning.swing_hz) ** 2
     a, b, c, d = f[SWING, SWING], f[SWING, SWING_RATE], f[SWING_RATE, SWING], f[SWING_RATE, SWING_RATE]
@@ -170,34 +165,26 @@ def shaken(q: Array, jerk: float, wheel: float, both: float, dt: float) -> None:
 
     Args:
         q: what grows, (SIZE, SIZE).
-        jerk, wheel, both: densities of the noise on a, on r, and of both together [m2/s5].
+        jerk, wheel, both: densities of the white noise on a, on r, and of both together [m2/s5].
         dt: the step [s].
     """
-    integrated(q, V, A, jerk, dt)
-    integrated(q, W, RATE, wheel, dt)
-    for one, other, share in (
-        (A, RATE, dt),
-        (V, RATE, 0.5 * dt**2),
-        (A, W, 0.5 * dt**2),
-        (V, W, dt**3 / 3.0),
+    for one, other, density in (
+        (V, V, jerk * dt**3 / 3.0),
+        (A, A, jerk * dt),
+        (W, W, wheel * dt**3 / 3.0),
+        (RATE, RATE, wheel * dt),
     ):
-        q[one, other] += both * share
-        q[other, one] += both * share
-
-
-@law
-def integrated(q: Array, low: int, high: int, psd: float, dt: float) -> None:
-    """White noise of density `psd` on state `high`, integrated into state `low`."""
-    q[high, high] += psd * dt
-    q[low, low] += psd * dt**3 / 3.0
-    q[low, high] += psd * dt * dt / 2.0
-    q[high, low] += psd * dt * dt / 2.0
-
-
-@law
-def _kept(f: Array, i: int, variance: float, q: Array) -> None:
-    """The noise that keeps the variance of a state that is forgotten."""
-    q[i, i] = variance * (1.0 - f[i, i] ** 2)
+        q[one, other] += density
+    for one, other, density in (
+        (V, A, jerk * dt**2 / 2.0),
+        (W, RATE, wheel * dt**2 / 2.0),
+        (A, RATE, both * dt),
+        (V, RATE, both * dt**2 / 2.0),
+        (A, W, both * dt**2 / 2.0),
+        (V, W, both * dt**3 / 3.0),
+    ):
+        q[one, other] += density
+        q[other, one] += density
 
 
 @law

@@ -15,6 +15,7 @@ from estimators.slip_core.layout import (
     FROM_TOWED,
     NO_FRONT,
     NO_IMU,
+    NUMBER,
     SWING,
     V,
     W,
@@ -86,7 +87,7 @@ def _conflict(memory: Record) -> float:
     if memory.refused_ns[FROM_GNSS] < 0:
         return 0.0
     said = memory.seen_mps[FROM_GNSS]
-    if cost(memory.x[V], FROM_GNSS, memory) < cost(said, FROM_GNSS, memory):
+    if cost(memory.x[V], NUMBER[FROM_GNSS], memory) < cost(said, NUMBER[FROM_GNSS], memory):
         return 0.0
     return abs(said - memory.x[V])
 
