@@ -39,7 +39,6 @@ REGISTRY: dict[str, str] = {
     "mmae": "estimators.filter_bank:MMAE",
     "whiteness": "estimators.filter_bank:WHITENESS",
     "slip-ekf": "estimators.slip_ekf:SLIP_EKF",
-    "slip-core": "estimators.slip_core:SLIP_CORE",
     "slip-ekf-smooth": "estimators.slip_ekf.smooth:SLIP_EKF_SMOOTH",
 }
 """Name -> "module:Attribute"; nothing is imported until the name is asked for."""
@@ -51,7 +50,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     ),
     "this project's": (
         "four-state", "kf-tuned", "pso-pkf-log", "ma-pkf-log", "ima-pkf-log", "sideslip-ekf",
-        "slip-ekf", "slip-core",
+        "slip-ekf",
     ),
     "offline, of this project": ("slip-ekf-smooth",),
 }  # fmt: skip

@@ -49,7 +49,5 @@ def _of_one(log: Log, estimators: Mapping[str, Estimator], hidden_s: float) -> l
         seen = hidden.without_gnss(log.streams, start_ns, hidden_s)
         tables = all_estimates(estimators, log.setup, seen).tables
         for name, table in tables.items():
-            errors[name].append(
-                hidden.errors(log.setup, log.streams, table, start_ns, hidden_s)
-            )
+            errors[name].append(hidden.errors(log.setup, log.streams, table, start_ns, hidden_s))
     return [hidden.summed_up(name, hidden_s, each) for name, each in errors.items()]

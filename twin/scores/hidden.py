@@ -147,9 +147,7 @@ def _at(table: Table, name: str, epoch_ns: NDArray[np.int64]) -> Array:
     return np.asarray(np.interp((epoch_ns - start).astype(np.float64), own, table[name]))
 
 
-def summed_up(
-    estimator: str, hidden_s: float, of_passes: list[Errors]
-) -> Score:
+def summed_up(estimator: str, hidden_s: float, of_passes: list[Errors]) -> Score:
     """The score of an estimator over the errors of all passes."""
     speed, slip, squared = (np.concatenate(part) for part in zip(*of_passes, strict=True))
     known = squared[np.isfinite(squared)]

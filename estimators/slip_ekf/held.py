@@ -19,7 +19,7 @@ LOADS = {
     "hitch_m": 0.1,
 }  # fmt: skip
 """What tells of the load, and by how much it varies at work."""
-RAISED, FIRST_LOAD, HELD = 0, 1, 1 + len(LOADS)
+PLOUGH, FIRST_LOAD, HELD = 0, 1, 1 + len(LOADS)
 """Where they stand, and how many they are."""
 
 
@@ -72,7 +72,7 @@ def _raised(used: Streams, zero_m: float) -> dict[int, NDArray[np.float64]]:
         return {}
     cosine = np.cos(np.nan_to_num(used.column("depth", "inclination_rad")))
     depth_m = zero_m - used.column("depth", "laser_m") * cosine
-    return {RAISED: np.where(depth_m < CLEAR_M, 1.0, np.where(depth_m > DOWN_M, 0.0, np.nan))}
+    return {PLOUGH: np.where(depth_m < CLEAR_M, 1.0, np.where(depth_m > DOWN_M, 0.0, np.nan))}
 
 
 def _loads(used: Streams) -> dict[int, NDArray[np.float64]]:

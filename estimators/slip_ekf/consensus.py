@@ -9,7 +9,7 @@ each at most as much as its being wrong costs:
 from __future__ import annotations
 
 from estimators.kalman import Record
-from estimators.slip_core.layout import FROM_CAMERA, FROM_DRIVEN, FROM_GNSS, FROM_TOWED, TOWED
+from estimators.slip_ekf.layout import FROM_CAMERA, FROM_DRIVEN, FROM_GNSS, FROM_TOWED, TOWED
 from twin.compute.compiled import law
 
 WRONG = 9.0

@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 
 from estimators.kalman import Array, Record
-from estimators.slip_core.held import HELD
-from estimators.slip_core.layout import USUAL
+from estimators.slip_ekf.held import HELD
+from estimators.slip_ekf.layout import USUAL
 from twin.compute.compiled import law
 
 PRIOR_SD, OFFSET_SD = 0.05, 0.2

@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 
 from estimators.kalman import Array, Record
-from estimators.slip_core.layout import (
+from estimators.slip_ekf.layout import (
     ACROSS,
     BIAS,
     CAMERA,
@@ -40,6 +40,7 @@ from estimators.slip_core.layout import (
     W,
 )
 from twin.compute.compiled import law
+
 
 @law
 def longer(v: float, front_turn: float) -> tuple[float, float]:
@@ -147,7 +148,12 @@ def noise(
         q[i, i] = var * (1.0 - f[i, i] ** 2)  # keeps the variance of what is forgotten
     at = tuning.swing_sd**2
     rate = at * (2.0 * math.pi * tuning.swing_hz) ** 2
-    a, b, c, d = f[SWING, SWING], f[SWING, SWING_RATE], f[SWING_RATE, SWING], f[SWING_RATE, SWING_RATE]
+    a, b, c, d = (
+        f[SWING, SWING],
+        f[SWING, SWING_RATE],
+        f[SWING_RATE, SWING],
+        f[SWING_RATE, SWING_RATE],
+    )
     q[SWING, SWING] = at - a * a * at - b * b * rate
     q[SWING_RATE, SWING_RATE] = rate - c * c * at - d * d * rate
     q[SWING, SWING_RATE] = q[SWING_RATE, SWING] = -(a * c * at + b * d * rate)

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from estimators.kalman import Array, Record
-from estimators.slip_core.consensus import cost
-from estimators.slip_core.layout import (
+from estimators.slip_ekf.consensus import cost
+from estimators.slip_ekf.layout import (
     BIAS,
     CAMERA,
     FROM_CAMERA,
@@ -21,7 +21,7 @@ from estimators.slip_core.layout import (
     TOWED,
     V,
 )
-from estimators.slip_core.update import grow, variance
+from estimators.slip_ekf.update import grow, variance
 from twin.compute.compiled import law
 
 DOUBT = 1.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from estimators.kalman import Record
-from estimators.slip_core.layout import FROM_GNSS, LAGS, V
+from estimators.slip_ekf.layout import FROM_GNSS, LAGS, V
 from twin.compute.compiled import law
 
 SETTLE, JERK_SETTLE = 100.0, 500.0
@@ -77,7 +77,7 @@ def white_var(source: int, speed: float, epoch_ns: int, told_var: float, memory:
     last[1] = last[0]
     last[0] = speed
     memory.white_ns[source] = epoch_ns
-    return max(memory.white_var[source], told_var)
+    return float(max(memory.white_var[source], told_var))
 
 
 @law
