@@ -20,7 +20,7 @@ from estimators.layout import (
 )
 from estimators.slip_ekf import learn, motion, rows
 from estimators.slip_ekf.counts import take_wheels
-from estimators.slip_ekf.judge import felt, judged
+from estimators.slip_ekf.judge import doubt, felt, judged
 from estimators.slip_ekf.layout import (
     ACROSS,
     BIAS,
@@ -29,6 +29,7 @@ from estimators.slip_ekf.layout import (
     FROM_IMU,
     FROM_TOWED,
     NUMBER,
+    RECEIVER,
     SIZE,
     TILTING,
     V,
@@ -49,6 +50,9 @@ forgotten [s], and density of the driven
 wheels own jerk [m2/s5]; the driver changes both speeds."""
 MOST_EXCESS = 16.0
 """No receiver's noise is more than four times what it says."""
+LEAN, LEAN_S, LEAN_SHARE, MOST_LEAN = 0.7, 4.0, 0.05, 3.0
+"""Mean e / sqrt(S) of GNSS that is no noise, after what time it is no error of the receiver's
+either [s], share of a sample in that mean, and what one counts at most."""
 PRESS = 1.0
 """By so much per second counts that GNSS stays with what it says [1/s]."""
 GYRO_GAP_S = 0.5
@@ -189,7 +193,10 @@ def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Rec
     white = learn.white_var(NUMBER[FROM_GNSS], speed, signal.epoch_ns, sd**2, memory)
     white += max(memory.jerk_psd, tuning.jerk_psd) * age**3 / 3.0
     press = PRESS if signal.epoch_ns == memory.changed_ns else 0.0
-    nis = error**2 / variance(memory.p, h, white)
+    total = variance(memory.p, h, white)
+    nis = error**2 / total
+    off, sd = error + memory.x[RECEIVER], math.sqrt(total)
+    _lean(off / sd, sd, signal.epoch_ns, press, memory)
     if judged(NUMBER[FROM_GNSS], h, error, white, press, tuning, memory):
         memory.excess[FROM_GNSS] = learn.factor(
             memory.excess[FROM_GNSS], nis, 1.0, 1.0, MOST_EXCESS
@@ -204,6 +211,33 @@ def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Rec
             memory.p[ACROSS, ACROSS] += 0.1 * error**2
         else:
             take(memory, h, error, white)
+
+
+@law
+def _lean(off: float, sd: float, epoch_ns: int, press: float, memory: Record) -> None:
+    """Where GNSS is off the same way for long, within the gate, the estimate is in doubt.
+
+    lean <- lean + share ((e + receiver) / sqrt(S) - lean)
+
+    A receiver errs for some seconds and not longer; towed wheels that come to skid stay so.
+
+    Args:
+        off: how far it is off the ground speed, over sqrt(S).
+        sd: sqrt(S) [m/s].
+        epoch_ns: when.
+        press: 0 for a value that repeats the last one to the bit, which tells nothing.
+        memory: record, changed.
+    """
+    since = (epoch_ns - memory.lean_ns) * 1e-9
+    if memory.lean_ns < 0 or since > STALE_S + LEAN_S or press == 0.0:
+        memory.lean, memory.lean_ns = 0.0, epoch_ns
+        return
+    memory.lean += LEAN_SHARE * (min(max(off, -MOST_LEAN), MOST_LEAN) - memory.lean)
+    if abs(memory.lean) < LEAN:
+        memory.lean_ns = epoch_ns
+    elif since > LEAN_S:
+        doubt(NUMBER[FROM_GNSS], memory.lean * sd, LEAN_S, True, memory)
+        memory.lean, memory.lean_ns = 0.0, epoch_ns
 
 
 @law

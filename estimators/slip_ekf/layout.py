@@ -67,6 +67,7 @@ MEMORY = np.dtype(
         ("nis_sum", "f8", SOURCES), ("nis_count", "i8", SOURCES),
         # the receiver's own rate
         ("repeated_mps", "f8"), ("changed_ns", "i8"), ("interval_s", "f8"),
+        ("lean", "f8"), ("lean_ns", "i8"),
         # wheels
         ("spans", "i8", 2), ("step", "f8", 2), ("step_s", "f8"), ("counted", "i8"),
         ("jitter_var", "f8"), ("count_var", "f8"), ("rim_mps", "f8"), ("apart_mps", "f8", 2),
@@ -92,7 +93,8 @@ By source: `seen_*` when it last spoke, and the ground speed it gave; `refused_n
 refused, `off_mps` by how much on average; `excess` the factor of its lasting error's variance;
 `white_*` the variance of its white noise, and the speeds that is learnt from; `nis_*` the
 normalised innovations squared. `repeated_mps`, `changed_ns`, `interval_s`: the receiver's last new
-speed, when it came, and after what time one usually does.
+speed, when it came, and after what time one usually does; `lean`, `lean_ns`: mean of its normalised
+innovations, and when that was last small.
 
 By axle, driven and towed: `spans` 1 while the count has an unbroken origin; `step` the last counted
 travel, in `step_s`; `apart_mps` right less left; `leaps` samples in a row in which no wheel could

@@ -19,7 +19,7 @@ GAIN_SLOW_S, GAIN_S, GAIN_PRIOR_MPS = 0.5, 30.0, 0.01
 the prior of it counts as much as swings of the last [m/s]."""
 MOVING_MPS = 0.5
 """Above this speed a camera's scale is learnt [m/s]."""
-CAMERA_SHARE, CAMERA_STEP_S, CAMERA_PACE, MOST_CAMERA = 0.03, 2.0, 0.15, 1e-3
+CAMERA_SHARE, CAMERA_STEP_S, CAMERA_PACE, MOST_CAMERA = 0.03, 2.0, 0.25, 1e-3
 """Share of a frame in the mean of a second, time between two of them [s], share of one step in the
 density of the walk, and the most that it does [1/s]."""
 PACE = 0.01
@@ -106,7 +106,7 @@ def gain(ground: float, wheel: float, dt: float, prior: float, memory: Record) -
 def camera_walk(speed: float, epoch_ns: int, least: float, memory: Record) -> None:
     """Density of the walk of a camera's scale, from what GNSS and wheels make of it.
 
-    c = speed / v - 1 over a second,   E (c_k - c_k-1)^2 = psd dt
+    c = speed / v - 1 over a second,   E (c_k - c_k-1)^2 = psd dt + 2 var v / v^2
 
     Until it is seen to be steady, a camera whose height nobody knows says how speed changes, and
     not how large it is.
@@ -126,7 +126,8 @@ def camera_walk(speed: float, epoch_ns: int, least: float, memory: Record) -> No
     if dt > CAMERA_STEP_S:
         step = memory.camera_scale[0] - memory.camera_scale[1]
         if math.isfinite(step):
-            memory.camera_psd += CAMERA_PACE * (min(step**2 / dt, MOST_CAMERA) - memory.camera_psd)
+            walked = max(step**2 - 2.0 * memory.p[V, V] / memory.x[V] ** 2, 0.0) / dt
+            memory.camera_psd += CAMERA_PACE * (min(walked, MOST_CAMERA) - memory.camera_psd)
             memory.camera_psd = max(memory.camera_psd, least)
         memory.camera_scale[1], memory.camera_ns = memory.camera_scale[0], epoch_ns
 
