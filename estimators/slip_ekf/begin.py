@@ -59,6 +59,13 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
             memory.measured_ns = signal.epoch_ns
     if not math.isfinite(speed) or not math.isfinite(rear):
         return
+    tau = 0.0
+    for i in range(4):
+        tau = max(tau, signal.wheel_age_s[i])
+    if tau > 0.0:
+        late_var = 2.0 * memory.jitter_var / (2.0 * tau) ** 2
+        rear_var += late_var * rear**2
+        var += late_var * speed**2 if math.isfinite(front) else 0.0
     x, p = memory.x, memory.p
     memory.known = 1
     memory.rim_mps, memory.spin = rear, 1.0
@@ -68,9 +75,6 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
         for j in range(SIZE):
             p[i, j] = 0.0
     x[V], x[W] = speed, rear
-    tau = 0.0
-    for i in range(4):
-        tau = max(tau, signal.wheel_age_s[i])
     bias_sd = max(nominal.accel_bias_sd_mps2, LEAST_BIAS_SD_MPS2)
     swing = tuning.swing_sd
     for state, deviation in (

@@ -229,6 +229,19 @@ def _stand(rear: float, front: float, h: Array, memory: Record) -> None:
 
 
 @law
+def speed_var(source: int, speed: float, tau: float, var: float, memory: Record) -> float:
+    """Variance of a speed: of one that is counted over 2 tau, with the instants of reading's.
+
+    var + 2 jitter speed^2 / (2 tau)^2
+
+    A source that gives speeds is heard for its own noise.
+    """
+    if tau > 0.0:
+        return float(var + 2.0 * memory.jitter_var * (speed / (2.0 * tau)) ** 2)
+    return learn.white_var(source, speed, memory.time_ns, var, memory)
+
+
+@law
 def _take_front(
     age: float, tau: float, spans: bool, speed: float, var: float, front_turn: float, h: Array,
     tuning: Record, memory: Record,
@@ -243,11 +256,7 @@ def _take_front(
     if travels:
         error, r = counted - rows.travel(memory.x, NUMBER[FRONT], speed, h), count_var
     else:
-        r = (
-            learn.white_var(NUMBER[FROM_TOWED], speed, memory.time_ns, var, memory)
-            if tau == 0.0
-            else var
-        )
+        r = speed_var(NUMBER[FROM_TOWED], speed, tau, var, memory)
         error = speed - rows.towed(memory.x, age + tau, front_turn, h)
     memory.off_towed = error / math.sqrt(variance(memory.p, h, r))
     if judged(NUMBER[FROM_TOWED], h, error, r, 0.0, tuning, memory):
@@ -275,11 +284,7 @@ def _take_rear(
     if travels:
         error, r = counted - rows.travel(memory.x, NUMBER[REAR], speed, h), count_var
     else:
-        r = (
-            learn.white_var(NUMBER[FROM_DRIVEN], speed, memory.time_ns, var, memory)
-            if tau == 0.0
-            else var
-        )
+        r = speed_var(NUMBER[FROM_DRIVEN], speed, tau, var, memory)
         error = speed - rows.driven(memory.x, memory.rim_mps, age + tau, h)
     total = variance(memory.p, h, r)
     nis = error**2 / total

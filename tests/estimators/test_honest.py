@@ -158,7 +158,7 @@ def test_kf_tuned():
 
 
 AS_DRAWN = {
-    "jerk_psd": 0.3,
+    "jerk_psd": 0.005,
     "load_gain": 0.5,
     "own_share": 0.25,
     "quick_sd": 1e-6,
@@ -206,7 +206,7 @@ def test_slip_ekf():
         state, table = estimator.run(estimator.init(SETUP), stream)
         nees.append(((table["slip"][-1] - (1.0 - v[-1] / w[-1])) / table["slip_sd"][-1]) ** 2)
         sums, counts = sums + state.memory[0]["nis_sum"], counts + state.memory[0]["nis_count"]
-    print(np.mean(nees), sums / counts)
+    print(np.mean(nees), sums[:4] / counts[:4])
     assert_consistent(nees)
     gnss, imu, front, rear = sums[:4] / counts[:4]
     assert 0.9 < gnss < 1.1
@@ -231,6 +231,6 @@ def test_with_nothing_but_driven_counters_the_slip_filter_knows_that_it_knows_li
         wheels = {n: c for n, c in measured["wheels"].items() if n not in ("ticks_fl", "ticks_fr")}
         blind = Streams({**measured.tables, "gnss": gnss, "wheels": wheels})
         table = SLIP_EKF.run(SLIP_EKF.init(SETUP), blind)[1]
-        assert 0.03 < table["slip_sd"][-1] < 0.2
+        assert 0.01 < table["slip_sd"][-1] < 0.2  # it has learnt that this slip hardly changes
         ratios.append((table["slip"][-1] - 0.15) / table["slip_sd"][-1])
     assert np.sqrt(np.mean(np.square(ratios))) < 1.9  # 99.9 % of chi-square with ten
