@@ -81,7 +81,7 @@ class SlipEkf:
     """Density of the walk of the velocity across the body [m2/s3]."""
     gate: float = 3.0
     """A ground speed further off than this many sd is refused."""
-    patience_s: float = 0.4
+    patience_s: float = 0.3
     """But not for longer than this, unless the other sources speak against it [s]."""
 
     def init(self, setup: Setup) -> State:

@@ -348,6 +348,8 @@ def _take_accel(signal: Record, dt: float, h: Array, memory: Record) -> None:
     take(memory, h, error, WHEEL_ACCEL_SD**2)
 
 
+UNCOUNTED_S = 0.2
+"""After this time without a count the usual slip says less [s]."""
 SCATTER_SD, LEARN_SD = 0.02, 0.05
 """The line is learnt from a slip known as well as this."""
 NEW_SLIP_SD, AGAIN_SD = 0.15, 0.05
@@ -408,6 +410,8 @@ def _usual(slower: Array, dt: float, h: Array, tuning: Record, memory: Record) -
         share = dt / (min(memory.slip_s, SLIP_LEARN_S) + 5.0)
         memory.slip_var += min(share, 1.0) * (square - memory.slip_var)
     spread += loaded_var * rim**2
+    if memory.time_ns - memory.seen_ns[FROM_DRIVEN] > UNCOUNTED_S * 1e9:
+        spread += (MOST_SLIP_SD * rim) ** 2  # wheels that nobody counts may slip as they like
     r = spread * (1.0 + 2.0 * tuning.slip_s / dt * spread / (spread + known))
     take(memory, h, -off, r)
 
