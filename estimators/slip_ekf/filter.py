@@ -145,7 +145,7 @@ def unrest(heard: bool, tuning: Record, memory: Record) -> tuple[float, float, f
     driver's throttle changes both speeds alike.
     """
     if heard:
-        jerk = max(tuning.restless * memory.jerk_psd, tuning.jerk_psd)
+        jerk = max(memory.jerk_psd, tuning.jerk_psd)
         gain, own = shared(tuning, memory), tuning.own_share
         return jerk, memory.spin * jerk * (gain**2 + own), gain * jerk
     jerk = UNHEARD_PSD * memory.unrest
@@ -297,7 +297,7 @@ def _take_imu(
     if not memory.known:
         return
     error = accel - rows.accel(memory.x, h)
-    white += max(tuning.restless * memory.jerk_psd, tuning.jerk_psd) * age
+    white += max(memory.jerk_psd, tuning.jerk_psd) * age
     total = variance(memory.p, h, white)
     memory.nis_sum[FROM_IMU] += error**2 / total
     memory.nis_count[FROM_IMU] += 1

@@ -48,7 +48,7 @@ def gradient(of, x):
 @pytest.mark.parametrize("name", MEASURED)
 def test_every_row_is_the_gradient_of_what_is_measured(name):
     x, h = a_state(), np.zeros(SIZE)
-    MEASURED[name](x, h)  # with `rim`, the averaged speed of the wheels, as gradient of what goes by
+    MEASURED[name](x, h)
     unused = np.zeros(SIZE)
     found = gradient(lambda at: MEASURED[name](at, unused), x)[0]
     if name == "driven":
@@ -188,9 +188,10 @@ def test_a_start_in_a_curve_teaches_nothing_wrong(imu, accel_mps2):
 def test_a_camera_of_unknown_height_harms_nothing(scale):
     made = streams(DRIVE, setup())
     t = times(DRIVE, 30.0)
+    rng = np.random.default_rng(5)
     walks = scale + 0.1 * np.sin(0.3 * t)
     camera = stamps(t, 0.05) | {
-        "v_x_mps": walks * DRIVE.speed(t) + 0.004 * np.random.default_rng(5).standard_normal(len(t)),
+        "v_x_mps": walks * DRIVE.speed(t) + 0.004 * rng.standard_normal(len(t)),
         "v_y_mps": 0.0 * t, "var_x_m2ps2": np.full_like(t, 0.004**2),
         "interval_s": np.full_like(t, 1.0 / 30.0), "used": np.ones_like(t),
     }  # fmt: skip
