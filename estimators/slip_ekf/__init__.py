@@ -58,7 +58,7 @@ class SlipEkf:
     fading_s: float = 1.0
     """Time over which an acceleration is forgotten [s]."""
     slip_s: float = 2.0
-    """Correlation time of what slip is off the usual one by [s]; 2 s in a field log of a T7.165S."""
+    """Correlation time of what slip is off the usual one by [s], as in a T7.165S's field log."""
     load_gain: float = 0.44
     """What governed wheels lose of their speed over what the ground speed loses, before that is
     learnt; 0.4 to 0.5 when ploughing in the twin, 1 where a throttle moves both."""
