@@ -55,12 +55,13 @@ SETTLE, SLOW_MPS = 100.0, 0.2
 """Samples over which the noise of the counts is averaged, and the speed above which [m/s]."""
 AHEAD_S = 0.06
 """No further ahead of the newest gyro sample is the pitch predicted [s]."""
-ZERO_SLIP, ZERO_SLIP_SD = 0.0055, 0.02
-"""Slip with the plough out of the ground, 0.2-0.9 % pull nothing, and its sd in one of 50 samples a
-second: 0.4 % over some seconds."""
-UNLOAD, UNLOAD_SD, LOAD, LOAD_SD = -0.0045, 0.003, 0.0065, 0.002
+ZERO_SLIP, ZERO_SLIP_SD = 0.0055, 0.015
+"""Slip with the plough out of the ground, the middle of the 0.2-0.9 % that pull nothing, and its sd
+in one of 50 samples a second: 0.3 % over some seconds."""
+UNLOAD, UNLOAD_SD, LOAD, LOAD_SD = -0.0045, 0.002, 0.0065, 0.002
 """Change of the counted over the true speed when the plough goes down, and its sd: each rear wheel
-loses about 7 kN and its radius grows; the front wheels get it and shrink."""
+loses about 7 kN and its radius grows, by 0.4 to 0.5 % in the twin; the front wheels get it and
+shrink."""
 SETTLE_SD_MPS2 = 0.05
 """sd by which gravity's part changes then, as the body settles another way."""
 
