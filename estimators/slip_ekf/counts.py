@@ -404,7 +404,8 @@ def _usual(slower: Array, dt: float, h: Array, tuning: Record, memory: Record) -
     known = state_var + loaded_var * rim**2
     if memory.time_ns - memory.seen_ns[FROM_GNSS] < 1.5e9 and memory.refused_ns[FROM_GNSS] < 0:
         memory.slip_s += dt
-        if state_var < LEARN_SD**2 * rim**2 + memory.p[USUAL, USUAL] * rim**2:
+        known_well = state_var < (LEARN_SD**2 + memory.p[USUAL, USUAL]) * rim**2
+        if known_well and abs(memory.x[W]) > MOVING_MPS:
             slip = 1.0 - memory.x[V] / memory.x[W]
             learn_line(slower, slip, SCATTER_SD**2, dt, z, room, memory)
         square = min(max(off**2 - known, 0.0) / rim**2, MOST_SLIP_SD**2)
