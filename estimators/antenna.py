@@ -65,6 +65,7 @@ def read(
     sd = sample[5] if sample[5] > 0.0 else nominal.velocity_sd_mps
     heading_sd = sample[6] if sample[6] > 0.0 else nominal.heading_sd_rad
     signal.v_x_mps, signal.v_sd_mps = v_x, sd
+    signal.horizontal_mps = math.hypot(east, north)
     _add_sideslip(v_y, v_y + nominal.cg_x_m * r, math.hypot(sd, v_x * heading_sd), epoch_ns, memory)
     memory.v_x_mps = v_x
 

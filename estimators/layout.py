@@ -52,6 +52,8 @@ NOMINAL = np.dtype(
         ("radius_m", "f8", 4),
         ("counts_per_turn", "f8"),
         ("driven", "f8", 4),
+        ("wheelbase_m", "f8"),
+        ("track_front_m", "f8"),
         ("track_rear_m", "f8"),
         ("cg_x_m", "f8"),
         ("antenna_m", "f8", 3),
@@ -77,6 +79,7 @@ SIGNALS = np.dtype(
         ("flags", "i8"),
         ("v_x_mps", "f8"),
         ("v_sd_mps", "f8"),
+        ("horizontal_mps", "f8"),
         ("accel_mps2", "f8"),
         ("accel_x_mps2", "f8"),
         ("gyro_y_radps", "f8"),
@@ -97,7 +100,8 @@ SIGNALS = np.dtype(
     align=True,
 )
 """One sample as speeds, at the rear-axle centre, along (x) and across (y) the body in the ground
-plane. `v_x`, `v_sd` stand in GNSS samples and in a camera's, `accel` and, as measured, `accel_x`
+plane. `v_x`, `v_sd` stand in GNSS samples and in a camera's, `horizontal`
+in GNSS samples: the antenna's speed, `accel` and, as measured, `accel_x`
 and `gyro_y` in the IMU's, `wheel_*` in the wheels', else NaN. `wheel_age_s`: the speed is that of
 this much before the epoch. `one_*_speed`: those wheels' speeds are one and the same number. The
 rest is held from the last sample that told it."""
@@ -167,6 +171,8 @@ def nominal(setup: Setup) -> tuple[Any, ...]:
         [radius.get(w, np.nan) for w in WHEEL_NAMES],
         wheels.counts_per_turn if wheels and wheels.counts_per_turn else np.nan,
         [float(w in setup.driven) for w in WHEEL_NAMES],
+        setup.wheelbase_m,
+        setup.track_front_m,
         setup.track_rear_m,
         setup.cg_x_m,
         gnss.lever_arm_m if gnss else (0.0, 0.0, 0.0),

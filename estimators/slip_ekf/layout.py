@@ -1,26 +1,39 @@
-"""The named state of the filter, its constants, and what it carries from sample to sample."""
+"""The state of the filter by name, its flags, and what it carries from sample to sample."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
-V, A, ACCEL_BIAS, W, RIM_RATE, RADIUS, REAR_TRAVEL = range(7)
-"""Ground speed [m/s], its acceleration, the accelerometer's bias with gravity's leak [m/s2], speed
-of the driven wheels' rims [m/s], its rate [m/s2], error of the driven wheels' radius, and their
-travel less what has been counted [m]."""
-SKID, QUICK_SKID, FRONT_TRAVEL, WHEEL_BIAS, LATE, QUICK_RADIUS = range(7, 13)
-"""Slow and quick error of the front wheels' travel over the ground's, their travel less what has
-been counted [m], bias of a wheel accelerometer [m/s2], time by which GNSS is later than it
-says [s], quick error of the driven radius under changing load."""
-SWING, SWING_RATE, USUAL, TILTING, CAMERA_SCALE = 13, 14, 15, 16, 17
-"""Slip that comes and goes as the body pitches on its tyres, its rate [1/s], and the slip that the
-load and the ground of the last minute have called for. Then the gyro's bias as
-the false tilting it makes, times gravity [m/s3], and the error of a camera's speed, which is that
-of its height."""
-SIZE = 18
+from estimators.slip_ekf.held import HELD
 
-LAGS = 10
-"""Accelerations kept, to hear how fast the motion changes."""
+V, A, W, RATE = range(4)
+"""Ground speed [m/s], its acceleration [m/s2], speed of the driven rims [m/s], its rate [m/s2]."""
+REAR, FRONT, READING = range(4, 7)
+"""Travel of the driven and of the towed wheels less what has been counted [m], and by how much the
+counters were read after their stamp [s]."""
+RADIUS, TOWED, QUICK, CAMERA = range(7, 11)
+"""Relative errors: of the driven wheels' counted speed, of the towed wheels', its quick part, and
+of a camera's speed."""
+USUAL, SWING, SWING_RATE = range(11, 14)
+"""Slip that load and ground call for, slip that comes and goes as the body pitches on its tyres,
+and its rate [1/s]."""
+BIAS, TILTING, WHEEL_BIAS = range(14, 17)
+"""Bias of the accelerometer with gravity's part [m/s2], the gyro's bias as the rate of that
+[m/s3], bias of a wheel accelerometer [m/s2]."""
+RECEIVER, LATE, ACROSS = range(17, 20)
+"""Error of GNSS that lasts [m/s], time by which it is later than it says [s], and velocity across
+the body [m/s]."""
+SIZE = 20
+NUMBER = np.arange(SIZE)
+"""A number from here is no constant to the compiler, which would compile what it is passed to
+anew for each constant."""
+
+FROM_GNSS, FROM_IMU, FROM_TOWED, FROM_DRIVEN, FROM_CAMERA = range(5)
+"""The sources, as `seen_mps` and the like count them."""
+SOURCES = 5
 
 GATED = 8
 """Flag: a speed was refused since the last estimate: it was further off than its sd allows."""
@@ -33,71 +46,87 @@ NO_IMU = 64
 ONE_WHEEL = 128
 """Flag: the driven wheels disagree more than turning explains; one of them is taken alone."""
 
+FIRST_CAMERA_PSD = 1e-4
+"""Density of the walk of a camera's scale before it is learnt: 1 % in a second [1/s]."""
+FIRST_SLIP_SD = 0.04
+"""sd of slip about the usual one before it is learnt; 0.03 ploughing."""
+FIRST_JITTER_S = 1e-3
+"""sd of the instants of reading before any is learnt [s]: a log's resolution is often 1 ms."""
+LAGS = 10
+"""Accelerations kept, to hear how fast the motion changes."""
+
 MEMORY = np.dtype(
     [
-        ("time_ns", "i8"),
-        ("measured_ns", "i8"),
-        ("agreed_ns", "i8"),
-        ("imu_ns", "i8"),
-        ("front_ns", "i8"),
-        ("refused_ns", "i8", 5),
-        ("conflict_mps", "f8", 5),
-        ("lean", "f8", 5),
-        ("lifted", "i8"),
-        ("towed_apart_mps", "f8"),
-        ("miscounted", "f8"),
-        ("leaps", "i8"),
-        ("flags", "i8"),
-        ("known", "i8"),
-        ("raised", "i8"),
-        ("lowered", "i8"),
-        ("rear_ns", "i8"),
-        ("rear_spans", "i8"),
-        ("front_spans", "i8"),
-        ("x", "f8", SIZE),
-        ("cov", "f8", (SIZE, SIZE)),
-        ("shift", "f8", SIZE),
-        ("cut", "i8", SIZE),
-        ("grown", "f8", (SIZE, SIZE)),
-        ("first_mps", "f8"),
-        ("first_var", "f8"),
-        ("accel", "f8", LAGS),
-        ("accel_ns", "i8", LAGS),
-        ("jerk_psd", "f8"),
-        ("accel_count", "i8"),
-        ("accel_var", "f8"),
-        ("apart_mps", "f8"),
-        ("rim_mps", "f8"),
-        ("spin", "f8"),
-        ("forgotten_s", "f8"),
-        ("gyro_y", "f8"),
-        ("gyro_y_known", "i8"),
-        ("pitch_rad", "f8"),
-        ("pitch_rate", "f8"),
-        ("pitch_accel", "f8"),
-        ("pitch_held_rad", "f8"),
-        ("v_y", "f8"),
-        ("v_y_var", "f8"),
-        ("v_y_ns", "i8"),
-        ("travelled_m", "f8"),
-        ("nis_sum", "f8", 5),
-        ("nis_count", "i8", 5),
-        ("refused", "i8", 5),
+        ("x", "f8", SIZE), ("p", "f8", (SIZE, SIZE)), ("known", "i8"), ("flags", "i8"),
+        ("time_ns", "i8"), ("measured_ns", "i8"), ("wheels_ns", "i8"), ("imu_ns", "i8"),
+        ("first_mps", "f8"), ("first_var", "f8"),
+        # by source
+        ("seen_ns", "i8", SOURCES), ("seen_mps", "f8", SOURCES), ("refused_ns", "i8", SOURCES),
+        ("off_mps", "f8", SOURCES), ("excess", "f8", SOURCES), ("white_ns", "i8", SOURCES),
+        ("white_last", "f8", (SOURCES, 2)), ("white_var", "f8", SOURCES),
+        ("nis_sum", "f8", SOURCES), ("nis_count", "i8", SOURCES),
+        # the receiver's own rate
+        ("repeated_mps", "f8"), ("changed_ns", "i8"), ("interval_s", "f8"),
+        ("lean", "f8"), ("lean_ns", "i8"),
+        # wheels
+        ("spans", "i8", 2), ("step", "f8", 2), ("step_s", "f8"), ("counted", "i8"),
+        ("jitter_var", "f8"), ("count_var", "f8"), ("rim_mps", "f8"), ("apart_mps", "f8", 2),
+        ("lifted", "i8"), ("leaps", "i8", 2), ("miscount", "f8"), ("yaw_rate", "f8"),
+        # motion
+        ("spin", "f8"), ("unrest", "f8"), ("off_towed", "f8"), ("slow", "f8", 2),
+        ("swings", "f8", 2), ("accel", "f8", LAGS), ("accel_ns", "i8", LAGS),
+        ("accel_count", "i8"), ("accel_var", "f8"), ("jerk_psd", "f8"),
+        ("gyro", "f8"), ("pitch_rad", "f8"), ("pitch_rate", "f8"), ("pitch_accel", "f8"),
+        ("pitch_held_rad", "f8"), ("travelled_m", "f8"),
+        # slip, load and camera
+        ("raised", "i8"), ("lowered", "i8"), ("slip_var", "f8"), ("slip_s", "f8"),
+        ("mean_load", "f8", HELD), ("line", "f8", HELD), ("line_p", "f8", (HELD, HELD)),
+        ("camera_psd", "f8"), ("camera_scale", "f8", 2), ("camera_ns", "i8"),
+        # for a smoother
+        ("keeps", "i8"), ("gained", "f8", SIZE), ("lost", "f8", (SIZE, SIZE)), ("cut", "i8", SIZE),
     ],
     align=True,
-)
-"""A plain value. `agreed_ns` is when a ground speed last fitted well, `refused_ns` since when one
-does not, and `conflict_mps` by how much where no other speaks for the estimate; `lean` is the mean
-of normalised innovations, `lifted` 1 more than the place of a towed wheel in the air,
-`towed_apart_mps` the towed wheels' speeds right less left, averaged, beyond what turning makes,
-`miscounted` the last error of the driven wheels' count if it was too large to be noise, `leaps` how
-many of their samples in a row could not be. `*_spans` is 1 while the counted travel has an unbroken
-origin; `shift`, `cut` and `grown` say what else than a measurement changed the state since the last
-prediction: what was added to the mean, which states began anew, what was added to the covariance.
-`first_*` is the ground speed before the filter has begun; `accel` the last accelerations, newest
-first, `accel_var` the variance of their noise, `jerk_psd` the density of the jerk as they show it,
-`forgotten_s` the time over which accelerations are forgotten; `lowered` is 1 once the plough has
-been in the ground; `apart` the driven wheels' speeds right less left, `rim` their mean, averaged
-over some seconds, `spin` the factor of the noise on their motion; `pitch_*` how the body has turned
-nose down, and had at the last wheel sample; `travelled` the way since sideslip is summed; `nis_*`
-and `refused` count for GNSS, IMU, front, rear and camera, in this order."""
+)  # fmt: skip
+"""A plain value.
+
+By source: `seen_*` when it last spoke, and the ground speed it gave; `refused_ns` since when it is
+refused, `off_mps` by how much on average; `excess` the factor of its lasting error's variance;
+`white_*` the variance of its white noise, and the speeds that is learnt from; `nis_*` the
+normalised innovations squared. `repeated_mps`, `changed_ns`, `interval_s`: the receiver's last new
+speed, when it came, and after what time one usually does; `lean`, `lean_ns`: mean of its normalised
+innovations, and when that was last small.
+
+By axle, driven and towed: `spans` 1 while the count has an unbroken origin; `step` the last counted
+travel, in `step_s`; `apart_mps` right less left; `leaps` samples in a row in which no wheel could
+be right. `jitter_var`, `count_var`: variances of the instants of reading and of an axle's counted
+travel, learnt from `counted` samples; `rim_mps`: counted speed of the driven wheels over some
+seconds; `lifted`: 1 more than the place of a towed wheel in the air; `miscount`: the last error of
+the driven wheels' count if it was too large to be noise.
+
+`spin`: factor of the noise on the driven wheels' own motion; `unrest`: of that on both axles'
+motion, where no accelerometer tells it; `off_towed`: last e / sqrt(S) of the towed wheels; `slow`,
+`swings`: slow parts of both speeds, and how the quick ones swing together; `accel`: the last
+accelerations, newest first; `pitch_*`: how the body has turned nose down, and had at the last wheel
+sample.
+
+`slip_var`: variance of slip about the usual one, learnt for `slip_s`; `mean_load`, `line`,
+`line_p`: the mean loads, the line from them to slip, and its covariance; `camera_*`: density of the
+walk of a camera's scale, and the scales that is learnt from. `keeps`: 1 for a smoother, which needs
+what measurements have `gained` and `lost` of mean and covariance since the last prediction, and
+which states were `cut` off then."""
+
+
+def first_memory(jerk_psd: float) -> NDArray[Any]:
+    """One record of MEMORY before the first sample."""
+    memory = np.zeros(1, MEMORY)
+    for name in MEMORY.names or ():
+        if name.endswith("_ns"):
+            memory[name] = -1
+    memory["white_last"] = np.nan
+    memory["first_mps"] = memory["repeated_mps"] = memory["gyro"] = np.nan
+    memory["interval_s"] = memory["excess"] = memory["spin"] = memory["unrest"] = 1.0
+    memory["jerk_psd"] = jerk_psd
+    memory["camera_psd"] = FIRST_CAMERA_PSD
+    memory["slip_var"] = FIRST_SLIP_SD**2
+    memory["jitter_var"] = FIRST_JITTER_S**2
+    return memory

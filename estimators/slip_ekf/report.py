@@ -5,67 +5,102 @@ from __future__ import annotations
 import math
 
 from estimators.estimate import SLOW_MPS
-from estimators.kalman import Record
+from estimators.kalman import Array, Record
 from estimators.layout import NO_GROUND_SPEED, STALE_S
-from estimators.slip_ekf import model
-from estimators.slip_ekf.driven import radius
-from estimators.slip_ekf.layout import NO_FRONT, NO_IMU, V
-from estimators.slip_ekf.pitch import rate_now
-from twin.compute.compiled import compiled
+from estimators.slip_ekf.consensus import cost
+from estimators.slip_ekf.judge import felt
+from estimators.slip_ekf.layout import (
+    ACROSS,
+    FROM_GNSS,
+    FROM_TOWED,
+    NO_FRONT,
+    NO_IMU,
+    NUMBER,
+    SWING,
+    V,
+    W,
+)
+from estimators.slip_ekf.wheels import radius
+from twin.compute.compiled import law
+
+MOUNT_SD_RAD = 0.00175
+"""sd of the antennas' mounting angle, 0.1 degree."""
+AHEAD_S = 0.06
+"""No further ahead of the newest gyro sample is the pitch rate predicted [s]."""
 
 
-@compiled
-def report(row: Record, signal: Record, nominal: Record, tuning: Record, memory: Record) -> None:
-    """Write the estimate of now; nothing where the ground speed is unknown for too long."""
+@law
+def slip_variance(p: Array, ground: float, wheel: float, rim: float) -> float:
+    """Variance of (w - v) / max(|w|, |v|, 0.05 m/s) from that of v, w and the swing.
+
+    d slip = -dv / w + v / w^2 dw   where the wheels are the faster,   -w / v^2 dv + dw / v   else
+    """
+    if abs(wheel) >= abs(ground):
+        turning = math.copysign(max(abs(wheel), SLOW_MPS), wheel)
+        by_v, by_w = -1.0 / turning, ground / turning**2
+    else:
+        moving = math.copysign(max(abs(ground), SLOW_MPS), ground)
+        by_v, by_w = -wheel / moving**2, 1.0 / moving
+    by_s = by_w * rim
+    total = by_v**2 * p[V, V] + by_w**2 * p[W, W] + by_s**2 * p[SWING, SWING]
+    total += 2.0 * (by_v * by_w * p[V, W] + by_v * by_s * p[V, SWING] + by_w * by_s * p[W, SWING])
+    return float(max(total, 0.0))
+
+
+@law
+def report(row: Record, signal: Record, nominal: Record, memory: Record) -> None:
+    """Write the estimate of now; nothing before the first ground speed."""
     row.epoch_ns = memory.time_ns
-    unknown = not memory.known or (memory.time_ns - memory.measured_ns) * 1e-9 > STALE_S
-    if unknown:
+    if not memory.known or (memory.time_ns - memory.measured_ns) * 1e-9 > STALE_S:
         memory.flags |= NO_GROUND_SPEED
-    if (memory.time_ns - memory.front_ns) * 1e-9 > 1.0 or memory.front_ns < 0:
+    if memory.seen_ns[FROM_TOWED] < 0 or (memory.time_ns - memory.seen_ns[FROM_TOWED]) > 1e9:
         memory.flags |= NO_FRONT
-    if (memory.time_ns - memory.imu_ns) * 1e-9 > 1.0 or memory.imu_ns < 0:
+    since_imu = (memory.time_ns - memory.imu_ns) * 1e-9
+    if not felt(memory):
         memory.flags |= NO_IMU
     row.flags = memory.flags
     memory.flags = 0
     if not memory.known:
         return
-    x, p = memory.x, memory.cov
+    x, p = memory.x, memory.p
     # the driveline turns with the body: over the ground the wheels turn by its pitching more
-    wheel = model.rim_speed(x, memory.rim_mps) + radius(nominal, 1.0) * rate_now(memory)
+    nodding = 0.0
+    if memory.imu_ns >= 0 and 0.0 <= since_imu < 0.5:
+        nodding = memory.pitch_rate + memory.pitch_accel * min(since_imu, AHEAD_S)
+    wheel = x[W] + memory.rim_mps * x[SWING] + radius(nominal, 1.0) * nodding
+    fastest = max(abs(wheel), abs(x[V]), SLOW_MPS)
     row.speed_mps, row.wheel_speed_mps = x[V], wheel
-    row.slip = (wheel - x[V]) / max(abs(wheel), abs(x[V]), SLOW_MPS)
-    row.slip_sd = math.sqrt(model.slip_var(p, x[V], wheel, memory.rim_mps, SLOW_MPS))
-    conflict = 0.0
-    for source in range(len(memory.conflict_mps)):
-        conflict = max(conflict, memory.conflict_mps[source])
-    # who is right, the estimate or the speed that it refuses, is not known yet
-    row.slip_sd = math.hypot(row.slip_sd, 0.5 * conflict / max(abs(wheel), abs(x[V]), SLOW_MPS))
-    across = 0.5 * signal.yaw_rate_radps * nominal.track_rear_m
-    for side, at in ((-1.0, 2), (1.0, 3)):
-        rim = wheel + side * 0.5 * memory.apart_mps
-        ground = x[V] + side * across
-        largest = max(abs(rim), abs(ground), SLOW_MPS)
-        if at == 2:
-            row.slip_rl = (rim - ground) / largest
-        else:
-            row.slip_rr = (rim - ground) / largest
-    if memory.v_y_ns >= 0:
-        _report_across(row, signal, nominal, tuning, memory)
+    row.slip = (wheel - x[V]) / fastest
+    sd = math.sqrt(slip_variance(p, x[V], wheel, memory.rim_mps))
+    row.slip_sd = math.hypot(sd, 0.5 * _conflict(memory) / fastest)
+    across = 0.5 * memory.yaw_rate * nominal.track_rear_m
+    left, right = wheel - 0.5 * memory.apart_mps[0], wheel + 0.5 * memory.apart_mps[0]
+    row.slip_rl = (left - x[V] + across) / max(abs(left), abs(x[V] - across), SLOW_MPS)
+    row.slip_rr = (right - x[V] - across) / max(abs(right), abs(x[V] + across), SLOW_MPS)
+    if math.isfinite(signal.v_y_held_mps):
+        _report_across(row, signal, nominal, memory)
 
 
-@compiled
-def _report_across(
-    row: Record, signal: Record, nominal: Record, tuning: Record, memory: Record
-) -> None:
+@law
+def _conflict(memory: Record) -> float:
+    """How far GNSS is refused, where the other sources do not speak for the estimate [m/s]."""
+    if memory.refused_ns[FROM_GNSS] < 0:
+        return 0.0
+    said = memory.seen_mps[FROM_GNSS]
+    if cost(memory.x[V], NUMBER[FROM_GNSS], memory) < cost(said, NUMBER[FROM_GNSS], memory):
+        return 0.0
+    return float(abs(said - memory.x[V]))
+
+
+@law
+def _report_across(row: Record, signal: Record, nominal: Record, memory: Record) -> None:
     """Sideslip: its sd is that of v_y and of the antennas' mounting angle, which nothing tells."""
-    ground = memory.x[V]
-    since = max(0.0, (memory.time_ns - memory.v_y_ns) * 1e-9)
-    v_y_cg = memory.v_y + nominal.cg_x_m * signal.yaw_rate_radps
+    ground, v_y = memory.x[V], memory.x[ACROSS]
+    v_y_cg = v_y + nominal.cg_x_m * signal.yaw_rate_radps
     row.v_y_mps = v_y_cg
     row.sideslip_m, row.sideslip_rear_m = signal.sideslip_m, signal.sideslip_rear_m
-    row.sideslip_sd_m = math.hypot(signal.sideslip_sd_m, tuning.mount_sd * memory.travelled_m)
+    row.sideslip_sd_m = math.hypot(signal.sideslip_sd_m, MOUNT_SD_RAD * memory.travelled_m)
     if abs(ground) >= SLOW_MPS:
-        row.sideslip_rear_rad = math.atan2(memory.v_y, ground)
+        row.sideslip_rear_rad = math.atan2(v_y, ground)
         row.sideslip_rad = math.atan2(v_y_cg, ground)
-        variance = memory.v_y_var + tuning.v_y_psd * since
-        row.sideslip_sd_rad = math.sqrt(variance / ground**2 + tuning.mount_sd**2)
+        row.sideslip_sd_rad = math.sqrt(memory.p[ACROSS, ACROSS] / ground**2 + MOUNT_SD_RAD**2)

@@ -1,247 +1,127 @@
-"""Scalar updates that know an outlier from a motion."""
+"""What each source measures: h(x), and its row H = dh/dx filled in place.
+
+One function per kind of measurement, and none knows how the state moves.
+"""
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
-
-from estimators.estimate import SLOW_MPS
-from estimators.kalman import Array, Record
-from estimators.slip_ekf.layout import ACCEL_BIAS, RADIUS, REAR_TRAVEL, RIM_RATE, SKID, A, V, W
-from estimators.slip_ekf.tuning import FROM_GNSS
-from twin.compute.compiled import compiled
-
-AGREES, HELD_UP_S = 1.0, 0.2
-"""A ground speed within so many variances, so recently [s], speaks for the estimate that another
-contradicts."""
-SPUN_S = 0.2
-"""Time in which a driver changes the speed of the wheels [s]."""
-LEAN_SHARE, LEAN_S = 0.05, 1.0
-"""Share of an innovation in their mean, and what time that makes for GNSS at 20 Hz [s]."""
-
-
-@compiled
-def innovation_var(p: Array, h: Array, r: float) -> float:
-    """h P h^T + r."""
-    n = len(h)
-    total = r
-    for i in range(n):
-        if h[i] != 0.0:
-            for j in range(n):
-                total += h[i] * p[i, j] * h[j]
-    return float(total)
+from estimators.kalman import Array
+from estimators.slip_ekf.layout import (
+    BIAS,
+    CAMERA,
+    LATE,
+    QUICK,
+    RADIUS,
+    RATE,
+    READING,
+    RECEIVER,
+    SWING,
+    SWING_RATE,
+    TOWED,
+    USUAL,
+    WHEEL_BIAS,
+    A,
+    V,
+    W,
+)
+from estimators.slip_ekf.motion import longer
+from twin.compute.compiled import law
 
 
-@compiled
-def take(x: Array, p: Array, h: Array, error: float, r: float, learns: int) -> None:
-    """K = P h^T / S,  x <- x + K e,  P <- P - K S K^T, in place; P stays symmetric to the bit.
+@law
+def gnss(x: Array, age: float, h: Array) -> float:
+    """Ground speed of `age` ago: v - a (age + late) + receiver [m/s]."""
+    lag = age + x[LATE]
+    h[:] = 0.0
+    h[V], h[A], h[LATE], h[RECEIVER] = 1.0, -lag, -x[A], 1.0
+    return float(x[V] - lag * x[A] + x[RECEIVER])
 
-    The radius is learnt only where `learns` is 1. Elsewhere nothing tells it from slip but the
-    linearisation, which changes with the slip and would feign it: its gain is zero and its
-    variance stays (Schmidt's consider state).
+
+@law
+def camera(x: Array, age: float, h: Array) -> float:
+    """Ground speed as a camera of nominal height has it, `age` ago: (v - a age) (1 + camera)."""
+    h[:] = 0.0
+    v, scale = x[V] - age * x[A], 1.0 + x[CAMERA]
+    h[V], h[A], h[CAMERA] = scale, -age * scale, v
+    return float(v * scale)
+
+
+@law
+def accel(x: Array, h: Array) -> float:
+    """An accelerometer along the body: a + bias [m/s2]."""
+    h[:] = 0.0
+    h[A] = h[BIAS] = 1.0
+    return float(x[A] + x[BIAS])
+
+
+@law
+def towed(x: Array, age: float, front_turn: float, h: Array) -> float:
+    """Speed of the towed wheels as their nominal radius gives it, `age` ago.
+
+    hypot(v - a age, wheelbase yaw rate) (1 + towed + quick)
     """
-    n = len(x)
-    ph = np.zeros(n)
-    variance = r
-    for j in range(n):
-        if h[j] != 0.0:
-            for i in range(n):
-                ph[i] += p[i, j] * h[j]
-    for i in range(n):
-        variance += h[i] * ph[i]
-    if not variance > 0.0:
-        return
-    kept = p[RADIUS, RADIUS]
-    for i in range(n):
-        gain = ph[i] / variance
-        if i != RADIUS or learns:
-            x[i] += gain * error
-        for j in range(i, n):
-            p[i, j] -= gain * ph[j]
-            p[j, i] = p[i, j]
-    if not learns:
-        p[RADIUS, RADIUS] = kept
+    h[:] = 0.0
+    v, scale = x[V] - age * x[A], 1.0 + x[TOWED] + x[QUICK]
+    way, by_v = longer(v, front_turn)
+    h[V], h[A], h[TOWED], h[QUICK] = by_v * scale, -age * by_v * scale, way * v, way * v
+    return float(way * v * scale)
 
 
-@compiled
-def count(memory: Record, source: int, nis: float) -> None:
-    """Keep the normalised innovations squared, so that a filter can be asked if it is honest."""
-    memory.nis_sum[source] += nis
-    memory.nis_count[source] += 1
+@law
+def driven(x: Array, rim: float, age: float, h: Array) -> float:
+    """Speed of the driven wheels as their nominal radius gives it, `age` ago.
 
-
-@compiled
-def grow(memory: Record, i: int, j: int, by: float) -> None:
-    """Add to the covariance what the motion, not the model, has brought."""
-    memory.cov[i, j] += by
-    memory.grown[i, j] += by
-
-
-@compiled
-def grow_evenly(memory: Record, low: int, high: int, by: float, dt: float) -> None:
-    """White noise over the last dt that adds `by` to a rate's variance, and to what it is of."""
-    grow(memory, high, high, by)
-    grow(memory, low, low, dt * dt / 3.0 * by)
-    grow(memory, low, high, 0.5 * dt * by)
-    grow(memory, high, low, 0.5 * dt * by)
-
-
-@compiled
-def _grow_along(memory: Record, way: tuple[tuple[int, float], ...], by: float) -> None:
-    """One unknown of variance `by` that moves several states at once: P <- P + by w w^T."""
-    for i, along in way:
-        for j, and_along in way:
-            grow(memory, i, j, by * along * and_along)
-
-
-@compiled
-def doubt(memory: Record, error: float, since_s: float, towed: float) -> None:
-    """A speed has been off by `error` for so long, and who agreed with the estimate is in doubt.
-
-    By as much per time may the accelerometer be off, and, where `towed` is 1 and not 0, by as much
-    of the speed the towed wheels.
+    (w + rim swing - age (r + rim swing')) (1 + radius)
     """
-    skid = -towed * error / max(abs(memory.x[V]), SLOW_MPS)
-    _grow_along(memory, ((V, error), (ACCEL_BIAS, -error / since_s), (SKID, skid)), 1.0)
+    h[:] = 0.0
+    scale = 1.0 + x[RADIUS]
+    w = x[W] + rim * x[SWING] - age * (x[RATE] + rim * x[SWING_RATE])
+    h[W], h[RATE] = scale, -age * scale
+    h[SWING], h[SWING_RATE] = rim * scale, -age * rim * scale
+    h[RADIUS] = rim
+    return float(w * scale)
 
 
-@compiled
-def lean(memory: Record, source: int, h: Array, error: float, r: float, gate: float) -> float:
-    """How far a speed is off the same way for long, in sd of what white innovations would make.
+@law
+def travel(x: Array, state: int, speed: float, h: Array) -> float:
+    """Counted travel since the last count [m]: REAR or FRONT + speed reading.
 
-    lean <- lean + (e / sqrt(S) - lean) / n         of variance 1 / (2 n - 1) for white e
-
-    What is so far off that the gate refuses it does not count.
+    Both axles are read at once: by how much too late is one unknown.
     """
-    normalised = error / math.sqrt(innovation_var(memory.cov, h, r))
-    if abs(normalised) < gate:
-        memory.lean[source] += LEAN_SHARE * (normalised - memory.lean[source])
-    return float(memory.lean[source] / math.sqrt(LEAN_SHARE / (2.0 - LEAN_SHARE)))
+    h[:] = 0.0
+    h[state], h[READING] = 1.0, speed
+    return float(x[state] + speed * x[READING])
 
 
-@compiled
-def gated(
-    memory: Record,
-    source: int,
-    h: Array,
-    error: float,
-    r: float,
-    epoch_ns: int,
-    tuning: Record,
-) -> int:
-    """Take a speed unless it is an outlier; 1 if it was taken.
+@law
+def wheel_accel(x: Array, h: Array) -> float:
+    """Acceleration of the driven rims: r + bias [m/s2]."""
+    h[:] = 0.0
+    h[RATE] = h[WHEEL_BIAS] = 1.0
+    return float(x[RATE] + x[WHEEL_BIAS])
 
-    Refused while e^2 > gate^2 (h P h^T + r), but not for longer than `patience`, or `trust` where
-    another speed holds the estimate up: what goes on is the truth, and then the speed's variance
-    grows by e^2 first.
+
+@law
+def usual_slip(x: Array, by_load: float, rim: float, h: Array) -> float:
+    """How far the ground speed is off what the usual slip makes it [m/s].
+
+    v - w (1 - usual - by_load)
     """
-    variance = innovation_var(memory.cov, h, r)
-    nis = error * error / variance
-    refused_s = (epoch_ns - memory.refused_ns[source]) * 1e-9
-    just_now = memory.refused_ns[source] >= 0 and refused_s < tuning.patience
-    within = tuning.back * tuning.gate if just_now else tuning.gate
-    if nis > within**2:
-        memory.refused[source] += 1
-        if memory.refused_ns[source] < 0:
-            memory.refused_ns[source] = epoch_ns
-        held_up = (epoch_ns - memory.agreed_ns) * 1e-9 < HELD_UP_S
-        patience = tuning.trust if held_up else tuning.patience
-        memory.conflict_mps[source] = 0.0 if held_up else abs(error)
-        if (epoch_ns - memory.refused_ns[source]) * 1e-9 < patience:
-            return 0
-        doubt(
-            memory, error, max(refused_s, patience), 1.0 if held_up and source == FROM_GNSS else 0.0
-        )
-    else:
-        count(memory, source, nis)
-        if nis < AGREES:
-            memory.agreed_ns = epoch_ns
-    memory.refused_ns[source] = -1
-    memory.conflict_mps[source] = 0.0
-    take(memory.x, memory.cov, h, error, r, memory.raised)
-    return 1
+    h[:] = 0.0
+    h[V], h[W], h[USUAL] = 1.0, -(1.0 - x[USUAL] - by_load), rim
+    return float(x[V] - x[W] * (1.0 - x[USUAL] - by_load))
 
 
-@compiled
-def surprise(
-    memory: Record, source: int, h: Array, error: float, r: float, gate: float
-) -> tuple[float, float]:
-    """What the innovation's variance S lacks of e^2 where e^2 > gate^2 S, else 0; and e^2 / S."""
-    variance = innovation_var(memory.cov, h, r)
-    nis = error * error / variance
-    count(memory, source, nis)
-    surprised = error * error > gate**2 * variance
-    return (float(error * error - variance) if surprised else 0.0), float(nis)
+@law
+def no_slip(x: Array, zero_slip: float, h: Array) -> float:
+    """By how much the driven wheels are off what a slip known beforehand makes them [m/s]."""
+    h[:] = 0.0
+    h[W], h[V] = 1.0 - zero_slip, -1.0
+    return float((1.0 - zero_slip) * x[W] - x[V])
 
 
-@compiled
-def jolt(memory: Record, grown: float, dt: float, correlation: float) -> None:
-    """Let the acceleration's variance grow by `grown`, and that of the wheels' with it.
-
-    A sudden load takes the ground's speed and leaves the governed wheels theirs, as far as
-    `correlation` says: dw' = (1 - c) da + noise of variance (1 - c^2) grown. When in the last dt
-    the change came is not known: evenly.
-    """
-    kept, apart = 1.0 - correlation, grown * (1.0 - correlation**2)
-    jolted = ((A, 1.0), (V, 0.5 * dt), (RIM_RATE, kept), (W, 0.5 * dt * kept))
-    _grow_along(memory, jolted, grown)
-    _grow_along(memory, ((V, 1.0), (W, kept)), dt * dt / 12.0 * grown)
-    grow_evenly(memory, W, RIM_RATE, apart, dt)
-
-
-@compiled
-def spun(memory: Record, grown: float, dt: float) -> None:
-    """The driven wheels turn faster or slower than thought: variance `grown` of the last travel.
-
-    travel = w dt,   w = w' SPUN_S
-    """
-    gained = ((REAR_TRAVEL, 1.0), (W, 1.0 / dt), (RIM_RATE, 1.0 / (dt * SPUN_S)))
-    _grow_along(memory, gained, grown)
-
-
-@compiled
-def followed(
-    memory: Record,
-    source: int,
-    state: int,
-    below: int,
-    dt: float,
-    h: Array,
-    error: float,
-    r: float,
-    gate: float,
-) -> float:
-    """Take a measurement of motion: where it surprises, the motion has changed. Returns e^2 / S.
-
-    e^2 > gate^2 S:   P[state, state] grows by d until S = e^2,
-                      and as the change came over the last dt, evenly, the state `below`, whose
-                      rate it is, by d dt^2 / 4, and their covariance by d dt / 2
-    """
-    grown, nis = surprise(memory, source, h, error, r, gate)
-    if grown > 0.0 and h[state] != 0.0:
-        grown /= h[state] ** 2
-        grow(memory, state, state, grown)
-        if below != state:
-            grow(memory, below, below, 0.25 * dt * dt * grown)
-            grow(memory, state, below, 0.5 * dt * grown)
-            grow(memory, below, state, 0.5 * dt * grown)
-    take(memory.x, memory.cov, h, error, r, memory.raised)
-    return nis
-
-
-@compiled
-def restart(memory: Record, state: int, variance: float) -> None:
-    """Count an axle's travel from here."""
-    memory.cut[state] = 1
-    memory.x[state] = 0.0
-    memory.cov[state, :] = 0.0
-    memory.cov[:, state] = 0.0
-    memory.cov[state, state] = variance
-
-
-@compiled
-def shift(memory: Record, state: int, by: float) -> None:
-    """Move a state's origin."""
-    memory.x[state] += by
-    memory.shift[state] += by
+@law
+def one(state: int, h: Array) -> None:
+    """The row of a state itself."""
+    h[:] = 0.0
+    h[state] = 1.0

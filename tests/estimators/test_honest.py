@@ -11,6 +11,7 @@ from estimators.four_state_printed import FourStatePrinted
 from estimators.parallel_kf import KF_TUNED, KF_Z2
 from estimators.ratio import RATIO, RATIO_FRONT
 from estimators.slip_ekf import SLIP_EKF
+from estimators.slip_ekf.begin import RADIUS_SD
 from twin.streams import ImuSetup, Streams
 from twin.testing import drives as synthetic
 
@@ -157,32 +158,26 @@ def test_kf_tuned():
 
 
 AS_DRAWN = {
-    "restless": 1.0,
-    "quick_skid_sd": 1e-6,
-    "quick_radius_sd": 1e-6,
+    "jerk_psd": 0.005,
+    "load_gain": 0.5,
+    "own_share": 0.25,
+    "quick_sd": 1e-6,
     "swing_sd": 1e-6,
-    "late_sd": 1e-6,
+    "receiver_share": 1e-6,
     "gate": 6.0,
 }
 """Only what `slip_motion` draws, and no gate, which cuts the innovations it does not refuse."""
 
 
 def slip_motion(rng, e, n, dt=0.02):
-    """Speeds of ground and wheels as the slip filter models them, (n, 4): v, a, w, w'."""
-    psd = e.jerk_psd * np.array(
-        [
-            [1.0, 1.0 - e.load_correlation * e.slip_share],
-            [0.0, 1.0 + e.slip_share**2 - 2.0 * e.load_correlation * e.slip_share],
-        ]
-    )
-    psd[1, 0] = psd[0, 1]
-    fade = np.exp(-dt / e.accel_tau)
+    """Speeds of ground and wheels as the slip filter models them, (n, 4): v, a, w, r."""
+    gain = e.load_gain
+    psd = e.jerk_psd * np.array([[1.0, gain], [gain, gain**2 + e.own_share]])
+    fade = np.exp(-dt / e.fading_s)
     states = [np.array([1.7, 0.1 * rng.standard_normal(), 2.0, 0.1 * rng.standard_normal()])]
-    usual = 0.15 + 0.05 * rng.standard_normal()
     for jolt in rng.multivariate_normal([0.0, 0.0], psd * dt, n - 1):
         v, a, w, rate = states[-1]
-        v += dt * a
-        w += dt * rate - dt / e.usual_tau * (w - v / (1.0 - usual))
+        v, w = v + dt * a, w + dt * rate
         states.append(
             np.array([v + 0.5 * dt * jolt[0], fade * a + jolt[0],
                       w + 0.5 * dt * jolt[1], fade * rate + jolt[1]])
@@ -191,10 +186,13 @@ def slip_motion(rng, e, n, dt=0.02):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("radius_sd", [1e-5, 0.01])
-def test_slip_ekf(radius_sd):
-    """NEES of slip after 12 s, and NIS of every stream, in their two-sided 99.9 % bands."""
-    estimator = replace(SLIP_EKF, **AS_DRAWN, radius_sd=radius_sd)
+def test_slip_ekf():
+    """NEES of slip after 12 s, and NIS of every stream, in bands about one.
+
+    The noises that the filter learns on its way are drawn as it takes them at first; what it learns
+    of them by chance, and the radius that it only considers, widen the bands.
+    """
+    estimator = replace(SLIP_EKF, **AS_DRAWN)
     nees, sums, counts = [], np.zeros(5), np.zeros(5)
     for seed in range(100):
         rng = np.random.default_rng((5, seed))
@@ -202,18 +200,19 @@ def test_slip_ekf(radius_sd):
         v, a, w, _ = slip_motion(rng, estimator, n).T
         leak = np.hypot(estimator.leak_sd, 0.1) * rng.standard_normal()
         leak = leak + np.cumsum(np.sqrt(estimator.leak_psd * 0.02) * rng.standard_normal(n))
-        counted = w * (1.0 + radius_sd * rng.standard_normal())
-        front = v * (1.0 + estimator.skid_sd * rng.standard_normal())
+        counted = w * (1.0 + RADIUS_SD * rng.standard_normal())
+        front = v * (1.0 + estimator.scale_sd * rng.standard_normal())
         stream = streams(rng, v, a + leak, np.array([counted, counted]).T, 0.02, front=front)
         state, table = estimator.run(estimator.init(SETUP), stream)
         nees.append(((table["slip"][-1] - (1.0 - v[-1] / w[-1])) / table["slip_sd"][-1]) ** 2)
         sums, counts = sums + state.memory[0]["nis_sum"], counts + state.memory[0]["nis_count"]
+    print(np.mean(nees), sums[:4] / counts[:4])
     assert_consistent(nees)
     gnss, imu, front, rear = sums[:4] / counts[:4]
-    for found, count in ((gnss, counts[0]), (front, counts[2]), (rear, counts[3])):
-        low, high = chi2.ppf([0.0005, 0.9995], count) / count
-        assert low < found < high
-    assert 0.85 < imu < 1.0  # its variance is heard, and never taken for less than the data sheet's
+    assert 0.9 < gnss < 1.1
+    assert 0.9 < front < 1.1
+    assert 0.9 < rear < 1.1
+    assert 0.8 < imu < 1.05  # its variance is heard, and never taken for less than the data sheet's
 
 
 def test_with_nothing_but_driven_counters_the_slip_filter_knows_that_it_knows_little():
@@ -232,6 +231,6 @@ def test_with_nothing_but_driven_counters_the_slip_filter_knows_that_it_knows_li
         wheels = {n: c for n, c in measured["wheels"].items() if n not in ("ticks_fl", "ticks_fr")}
         blind = Streams({**measured.tables, "gnss": gnss, "wheels": wheels})
         table = SLIP_EKF.run(SLIP_EKF.init(SETUP), blind)[1]
-        assert 0.03 < table["slip_sd"][-1] < 0.2
+        assert 0.01 < table["slip_sd"][-1] < 0.2  # it has learnt that this slip hardly changes
         ratios.append((table["slip"][-1] - 0.15) / table["slip_sd"][-1])
     assert np.sqrt(np.mean(np.square(ratios))) < 1.9  # 99.9 % of chi-square with ten

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from estimators.slip_ekf import SLIP_EKF
-from estimators.slip_ekf.driven import lifted
-from estimators.slip_ekf.layout import MEMORY
+from estimators.slip_ekf.wheels import in_the_air
 from twin.streams import Streams
 from twin.testing.drives import Drive, seconds, setup, streams
 
@@ -75,16 +74,9 @@ def test_counts_that_cannot_be_are_believed_when_they_go_on():
     assert np.abs(rows["wheel_speed_mps"] - wheel)[t > 7].max() < 0.2
 
 
-def test_turning_lifts_no_wheel_and_a_lag_of_one_does():
-    memory = np.zeros(1, MEMORY)
-    for _ in range(100):
-        lifted(np.array([2.0, 2.2, 2.0, 2.2]), 0.2, 0.02, NOMINAL[0], memory[0])
-    assert memory["lifted"][0] == 0
-    changed = [
-        lifted(np.array([2.0, 1.9, 2.0, 2.0]), 0.0, 0.02, NOMINAL[0], memory[0]) for _ in range(100)
-    ]
-    assert memory["lifted"][0] == 2
-    assert sum(changed) == 1
-    for _ in range(100):
-        lifted(np.array([2.0, 2.0, 2.0, 2.0]), 0.0, 0.02, NOMINAL[0], memory[0])
-    assert memory["lifted"][0] == 0
+def test_a_towed_wheel_that_lags_is_in_the_air_until_it_turns_again():
+    at_speed, lagging = np.array([2.0, 2.0, 2.0, 2.0]), np.array([2.0, 1.9, 2.0, 2.0])
+    assert in_the_air(at_speed, 0.0, 0, NOMINAL[0]) == 0
+    assert in_the_air(lagging, -0.1, 0, NOMINAL[0]) == 2
+    assert in_the_air(at_speed, -0.04, 2, NOMINAL[0]) == 2
+    assert in_the_air(at_speed, -0.01, 2, NOMINAL[0]) == 0

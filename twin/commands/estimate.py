@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from twin.commands.output import check_files, check_folder
-from twin.commands.parse import parse
+from twin.commands.parse import parse, seconds
 from twin.commands.run import DEFAULT_ESTIMATORS, load_estimators, status
 from twin.commands.terminal import counting, say
 from twin.errors import BadInput
@@ -43,6 +43,9 @@ class Estimate:
     """Folder for the report's figures as SVG and PDF, one column (85 mm) wide."""
     estimators: str = DEFAULT_ESTIMATORS
     """Estimators, separated by commas: names, or module:Name of your own."""
+    hide: str = ""
+    """Hide GNSS for so many seconds, such as 1,10,30,60, at regular places while driving, and score
+    what each estimator foretells of the receiver's speed."""
     view: bool = False
     """Open the recording in the rerun viewer at the end."""
     quiet: bool = False
@@ -77,6 +80,7 @@ def main(args: Sequence[str]) -> int:
         result = estimate(
             options.log, options.map, estimators=estimators, reader=reader, told=told,
             strict=options.strict, offset_s=offsets(options.offset),
+            hide_s=seconds("hide", options.hide),
         )  # fmt: skip
     result.save(directory, command=f"twin estimate {shlex.join(args)}")
     if options.figures is not None:
@@ -109,9 +113,10 @@ def _say(result: Result, directory: Path, options: Estimate, csv_time: str | Non
         print(json.dumps(result.scores, indent=2))
     elif not options.quiet:
         from twin.commands.log_summary import print_log
-        from twin.commands.score_table import print_scores
+        from twin.commands.score_table import print_hidden, print_scores
 
         print_scores(result.scores)
+        print_hidden(result.scores)
         print_log(result.scores)
         if csv_time is not None:
             say(f"{options.csv}: {csv_time}")

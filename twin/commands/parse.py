@@ -92,6 +92,23 @@ def parse(kind: type[T], args: Sequence[str], *, prog: str) -> T:
         raise BadInput(str(error)) from None
 
 
+def seconds(option: str, text: str) -> tuple[float, ...]:
+    """Times separated by commas, such as 1,10,30; none of an empty text.
+
+    Raises:
+        BadInput: a part is no finite number.
+    """
+    found = []
+    for part in text.split(",") if text else ():
+        try:
+            found.append(float(part))
+        except ValueError:
+            raise BadInput(
+                f"--{option} {text}: '{part.strip()}' is no number of seconds; 1,10,30 would do"
+            ) from None
+    return tuple(found)
+
+
 def _with_stdout(kind: type, args: Sequence[str]) -> list[str]:
     """Arguments with `-` after a `--json` that may name a file and does not."""
     given = list(args)

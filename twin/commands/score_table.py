@@ -7,7 +7,14 @@ from collections.abc import Mapping
 from twin.commands.tables import Column, print_table
 from twin.commands.terminal import say
 from twin.io.plain import Plain
-from twin.scores.table import HEADERS, RANKS, end_lines, score_rows, zero_line
+from twin.scores.table import (
+    HIDDEN_RANKS,
+    RANKS,
+    end_lines,
+    hidden_rows,
+    score_rows,
+    zero_line,
+)
 
 
 def print_scores(scores: Mapping[str, Plain]) -> None:
@@ -18,10 +25,22 @@ def print_scores(scores: Mapping[str, Plain]) -> None:
     if not rows:
         return
     say(_title(scores), style="italic")
+    _print(rows, RANKS)
+
+
+def print_hidden(scores: Mapping[str, Plain]) -> None:
+    """Print how well each estimator foretold the receiver's speed, where GNSS was hidden."""
+    rows = hidden_rows(scores)
+    if rows:
+        say("GNSS hidden at regular places while driving, scored at their ends", style="italic")
+        _print(rows, HIDDEN_RANKS)
+
+
+def _print(rows: list[list[str]], ranks: Mapping[str, int]) -> None:
     print_table(
         [
-            Column(heading=heading, cells=cells, rank=RANKS[heading], text=i == 0)
-            for i, (heading, cells) in enumerate(zip(HEADERS, zip(*rows, strict=True), strict=True))
+            Column(heading=heading, cells=cells, rank=ranks[heading], text=i == 0)
+            for i, (heading, cells) in enumerate(zip(ranks, zip(*rows, strict=True), strict=True))
         ]
     )
 

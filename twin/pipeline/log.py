@@ -16,6 +16,7 @@ from twin.logs.protocol_parts import Part
 from twin.pipeline import drive, log_check, protocol
 from twin.pipeline.drive import spread
 from twin.pipeline.estimating import Estimator, all_estimates
+from twin.pipeline.hidden import hidden_scores
 from twin.pipeline.log_check import SteadySlip
 from twin.pipeline.result import Result
 from twin.plugins.percent import MOVING_MPS, percent_note
@@ -32,6 +33,7 @@ def estimate(
     reader: Reader | None = None,
     strict: bool = False,
     offset_s: Mapping[str, float] | None = None,
+    hide_s: Sequence[float] = (),
     told: Callable[[int, int], None] = lambda done, total: None,
 ) -> Result:
     """Read a log and run the estimators on it.
@@ -43,6 +45,7 @@ def estimate(
         reader: what reads the log; None finds out by what is in it.
         strict: refuse a log with a single bad row.
         offset_s: file name -> how far its clock is ahead of the first file's [s].
+        hide_s: for how long GNSS is hidden to score what is foretold [s]; none leaves it out.
         told: told how many estimators of how many are done.
 
     Raises:
@@ -53,6 +56,7 @@ def estimate(
     read = logs.read(files, column_map, reader, strict=strict, offset_s=offset_s)
     log, steady, beside = _prepared(read)
     done = all_estimates(estimators, log.setup, log.streams, told)
+    hidden = {"hidden": hidden_scores(log, estimators, hide_s)} if hide_s else {}
     reference = _reference(log, files[0]) or {}
     odd = percent_note("slip of the reference", reference, log.streams)
     return Result(
@@ -65,7 +69,7 @@ def estimate(
         notes=(*log.notes, *done.notes, *([odd] if odd else []), *loud(log, done.tables)),
         failed=done.failed,
         name=files[0].resolve().stem,
-        found=beside | findings(log, done.tables, steady, protocol_spans_ns(beside)),
+        found=beside | hidden | findings(log, done.tables, steady, protocol_spans_ns(beside)),
     )
 
 

@@ -87,6 +87,7 @@ def estimate(
     *,
     strict: bool = False,
     offset_s: Mapping[str, float] | None = None,
+    hide_s: Iterable[float] = (),
 ) -> Result:
     """Run the estimators on a recorded drive.
 
@@ -99,6 +100,8 @@ def estimate(
         strict: refuse a log with a single bad row.
         offset_s: file name -> how far its clock is ahead of the first file's [s]; what is not
             given is found from the speeds.
+        hide_s: for how long GNSS is hidden at regular places while driving [s];
+            `scores["hidden"]` then says how well each estimator foretold the receiver's speed.
 
     Raises:
         BadInput: the log or the map cannot be used; the message names the value.
@@ -113,8 +116,9 @@ def estimate(
     by = logs.reader(reader) if isinstance(reader, str) else reader
     files = [Path(log)] if isinstance(log, str | Path) else [Path(each) for each in log]
     return estimated(
-        files, path, estimators=by_name(estimators), reader=by, strict=strict, offset_s=offset_s
-    )
+        files, path, estimators=by_name(estimators), reader=by, strict=strict,
+        offset_s=offset_s, hide_s=tuple(hide_s),
+    )  # fmt: skip
 
 
 def by_name(

@@ -18,6 +18,11 @@ RANKS = {
 The first column names the estimator; the rest is slip, then sideslip.
 """
 HEADERS = tuple(RANKS)
+HIDDEN_RANKS = {
+    "estimator": 0, "hidden [s]": 0, "times": 3, "speed RMS [m/s]": 0, "slip RMS [%]": 1,
+    COVERAGE: 1,
+}  # fmt: skip
+"""The same of the table of what is foretold while GNSS is hidden."""
 
 _DEG = 57.29577951308232
 
@@ -43,6 +48,21 @@ def zero_line(scores: Mapping[str, Plain]) -> str | None:
 
     name = scores.get("zero_slip")
     return None if name is None else f"slip is zero at: {ZERO_SLIPS.get(name, name)}"
+
+
+def hidden_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
+    """One row of text per hidden time and estimator, in the order of HIDDEN_RANKS."""
+    return [
+        [
+            each["estimator"],
+            f"{each['hidden_s']:g}",
+            str(each["n"]),
+            _text(each["speed_rms_mps"], 1.0, 3),
+            _text(each["slip_rms"], 100.0, 2),
+            _text(each["in_2sd"], 100.0, 1),
+        ]
+        for each in scores.get("hidden", [])
+    ]
 
 
 def end_lines(scores: Mapping[str, Plain]) -> list[str]:

@@ -33,7 +33,7 @@ class Wheels:
     """From reading to arrival, s."""
     latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.0005
     """Random part of the latency: this times |N(0, 1)|, s."""
-    read_jitter_s: Annotated[float, Range(0, 1e-3)] = 20e-6
+    read_jitter_s: Annotated[float, Range(0, 5e-3)] = 20e-6
     """sd of the instant of reading about its epoch, s."""
     radius_error: Annotated[tuple[float, float, float, float], Range(-0.2, 0.2)] = (
         0.0, 0.0, 0.0, 0.0,

@@ -1,0 +1,84 @@
+"""The scalar update that every source shares, and how the covariance grows by surprises."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from estimators.kalman import Array, Record
+from estimators.slip_ekf.layout import RADIUS, SIZE
+from twin.compute.compiled import law
+
+
+@law
+def variance(p: Array, h: Array, r: float) -> float:
+    """S = H P H^T + r."""
+    total = r
+    for i in range(SIZE):
+        if h[i] != 0.0:
+            for j in range(SIZE):
+                total += h[i] * p[i, j] * h[j]
+    return float(total)
+
+
+@law
+def take(memory: Record, h: Array, error: float, r: float) -> None:
+    """K = P H^T / S,  x <- x + K e,  P <- P - K S K^T, in place; P stays symmetric to the bit.
+
+    The radius is learnt only where the plough is raised. Elsewhere nothing tells it from slip but
+    the linearisation, which changes with the slip and would feign it: its gain is zero and its
+    variance stays (Schmidt's consider state).
+
+    Args:
+        memory: record whose `x` and `p` are updated; a smoother has it keep what was gained.
+        h: row of the measurement, (SIZE,).
+        error: what was measured less what was foretold.
+        r: variance of the measurement.
+    """
+    x, p = memory.x, memory.p
+    ph = np.zeros(SIZE)
+    for j in range(SIZE):
+        if h[j] != 0.0:
+            for i in range(SIZE):
+                ph[i] += p[i, j] * h[j]
+    total = r
+    for i in range(SIZE):
+        total += h[i] * ph[i]
+    if not total > 0.0:
+        return
+    kept = p[RADIUS, RADIUS]
+    for i in range(SIZE):
+        gain = ph[i] / total
+        if i != RADIUS or memory.raised:
+            x[i] += gain * error
+        for j in range(i, SIZE):
+            p[i, j] -= gain * ph[j]
+            p[j, i] = p[i, j]
+    if not memory.raised:
+        p[RADIUS, RADIUS] = kept
+    if memory.keeps:
+        for i in range(SIZE):
+            if i != RADIUS or memory.raised:
+                memory.gained[i] += ph[i] / total * error
+            for j in range(SIZE):
+                memory.lost[i, j] += ph[i] / total * ph[j]
+        if not memory.raised:
+            memory.lost[RADIUS, RADIUS] -= ph[RADIUS] ** 2 / total
+
+
+@law
+def grow(p: Array, way: Array, by: float) -> None:
+    """One unknown of variance `by` that moves several states at once: P <- P + by way way^T."""
+    for i in range(SIZE):
+        if way[i] != 0.0:
+            for j in range(SIZE):
+                p[i, j] += by * way[i] * way[j]
+
+
+@law
+def restart(memory: Record, state: int, var: float) -> None:
+    """A state that begins anew at zero."""
+    memory.x[state] = 0.0
+    for i in range(SIZE):
+        memory.p[state, i] = memory.p[i, state] = 0.0
+    memory.p[state, state] = var
+    memory.cut[state] = 1

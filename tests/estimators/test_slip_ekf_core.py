@@ -1,0 +1,261 @@
+"""The parts of the slip filter: its Jacobians, its prediction, and what it learns on its way."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from estimators.slip_ekf import SLIP_EKF, motion, rows
+from estimators.slip_ekf.held import FIRST_LOAD, HELD, PLOUGH, held, start
+from estimators.slip_ekf.layout import CAMERA, RADIUS, REAR, SIZE, TOWED, USUAL, V, W
+from twin.streams import Streams
+from twin.testing.drives import Drive, derivative, seconds, setup, stamps, streams, times
+
+RIM = 2.0
+STEP = 1e-6
+TUNING = SLIP_EKF.init(setup()).tuning[0]
+
+MEASURED = {
+    "gnss": lambda x, h: rows.gnss(x, 0.1, h),
+    "camera": lambda x, h: rows.camera(x, 0.1, h),
+    "accel": rows.accel,
+    "towed": lambda x, h: rows.towed(x, 0.05, 0.9, h),
+    "driven": lambda x, h: rows.driven(x, RIM, 0.05, h),
+    "wheel_accel": rows.wheel_accel,
+    "usual_slip": lambda x, h: rows.usual_slip(x, 0.02, RIM, h),
+    "no_slip": lambda x, h: rows.no_slip(x, 0.005, h),
+    "travel": lambda x, h: rows.travel(x, REAR, 1.9, h),
+}
+
+
+def a_state(seed=1):
+    x = 0.05 * np.random.default_rng(seed).standard_normal(SIZE)
+    x[V], x[W] = 1.7, RIM - RIM * x[12]  # so that the averaged rim speed is the one of now
+    return x
+
+
+def gradient(of, x):
+    """Central differences of a function of the state, (m, SIZE)."""
+    found = []
+    for j in range(SIZE):
+        up, down = x.copy(), x.copy()
+        up[j] += STEP
+        down[j] -= STEP
+        found.append((np.atleast_1d(of(up)) - np.atleast_1d(of(down))) / (2.0 * STEP))
+    return np.array(found).T
+
+
+@pytest.mark.parametrize("name", MEASURED)
+def test_every_row_is_the_gradient_of_what_is_measured(name):
+    x, h = a_state(), np.zeros(SIZE)
+    MEASURED[name](x, h)
+    unused = np.zeros(SIZE)
+    found = gradient(lambda at: MEASURED[name](at, unused), x)[0]
+    if name == "driven":
+        assert h[RADIUS] == RIM
+        found[RADIUS] = RIM
+    if name == "usual_slip":
+        assert h[USUAL] == RIM
+        found[USUAL] = RIM
+    assert h == pytest.approx(found, abs=1e-7)
+
+
+@pytest.mark.parametrize("front_turn", [0.0, 1.2])
+def test_the_transition_is_the_gradient_of_the_step(front_turn):
+    def after(x):
+        moved, unused = x.copy(), np.zeros((SIZE, SIZE))
+        motion.step(moved, RIM, front_turn, 1.0, 0.02, TUNING, unused)
+        return moved
+
+    x, f = a_state(), np.zeros((SIZE, SIZE))
+    motion.step(x.copy(), RIM, front_turn, 1.0, 0.02, TUNING, f)
+    found = gradient(after, x)
+    assert f[REAR, RADIUS] == 0.02 * RIM  # the averaged rim speed, see `motion.step`
+    found[REAR, RADIUS] = f[REAR, RADIUS]
+    assert f == pytest.approx(found, abs=1e-7)
+
+
+def test_the_sparse_prediction_is_the_dense_one():
+    rng = np.random.default_rng(2)
+    f, q = np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
+    motion.step(a_state(), RIM, 0.4, 1.0, 0.02, TUNING, f)
+    motion.noise(f, 0.2, 0.1, 0.05, 1e-4, 1e-5, 1e-5, 1.0, 0.02, TUNING, q)
+    root = rng.standard_normal((SIZE, SIZE))
+    p = root @ root.T
+    due = f @ p @ f.T + q
+    motion.carry(p, f, q, np.zeros((SIZE, SIZE)))
+    assert p == pytest.approx(due, rel=1e-12)
+    assert np.array_equal(p, p.T)
+    assert np.all(np.linalg.eigvalsh(q) > -1e-15)
+
+
+def estimated(made, of=None):
+    of = of or setup()
+    state, table = SLIP_EKF.run(SLIP_EKF.init(of), made)
+    return state.memory[0], table
+
+
+def rms(table, drive, after_s):
+    t = seconds(table["epoch_ns"])
+    return float(np.sqrt(np.mean((table["slip"] - drive.slip(t))[t > after_s] ** 2)))
+
+
+DRIVE = Drive(duration_s=40.0)
+
+
+def read_late(made, sd_s):
+    """Counters that are read at instants off their stamps by so much."""
+    table = dict(made["wheels"])
+    t = seconds(table["epoch_ns"])
+    late = sd_s * np.random.default_rng(3).standard_normal(len(t))
+    for wheel in ("fl", "fr", "rl", "rr"):
+        ticks = table[f"ticks_{wheel}"]
+        table[f"ticks_{wheel}"] = np.floor(np.interp(t + late, t, ticks)).astype(np.int64)
+    return Streams({**made.tables, "wheels": table})
+
+
+@pytest.mark.parametrize(("sd_ms", "share"), [(0.5, 1.15), (1.0, 1.3), (5.0, 5.0)])
+def test_instants_of_reading_that_nobody_tells_of_are_learnt(sd_ms, share):
+    made = streams(DRIVE, setup())
+    _, plain = estimated(made)
+    memory, table = estimated(read_late(made, 1e-3 * sd_ms))
+    assert rms(table, DRIVE, 10.0) < share * rms(plain, DRIVE, 10.0) + 2e-4
+    assert np.sqrt(memory["jitter_var"]) == pytest.approx(1e-3 * sd_ms, rel=0.5)
+
+
+@pytest.mark.parametrize("every", [4, 20])
+def test_a_speed_carried_onto_faster_rows_is_not_new(every):
+    made = streams(DRIVE, setup())
+    kept = np.arange(0, len(made["gnss"]["epoch_ns"]), every)
+    blank = {name: column[kept] for name, column in made["gnss"].items()}
+    epoch_ns = made["wheels"]["epoch_ns"][every * 3 :]
+    last = np.searchsorted(blank["epoch_ns"], epoch_ns, side="right") - 1
+    carried = {name: column[last] for name, column in blank.items()} | {
+        "epoch_ns": epoch_ns,
+        "arrival_ns": epoch_ns,
+    }
+    _, due = estimated(Streams({**made.tables, "gnss": blank}))
+    _, table = estimated(Streams({**made.tables, "gnss": carried}))
+    assert rms(table, DRIVE, 5.0) < 1.1 * rms(due, DRIVE, 5.0) + 5e-4
+
+
+@pytest.mark.parametrize("off_mps", [0.1, 0.3])
+def test_a_receiver_that_is_off_for_two_seconds_moves_nothing(off_mps):
+    made = streams(DRIVE, setup())
+    t = seconds(made["gnss"]["epoch_ns"])
+    off = off_mps * ((t > 15.0) & (t % 10.0 < 2.0))
+    gnss = dict(made["gnss"])
+    gnss["v_east_mps"] = gnss["v_east_mps"] + off * np.cos(DRIVE.heading_rad)
+    gnss["v_north_mps"] = gnss["v_north_mps"] + off * np.sin(DRIVE.heading_rad)
+    _, plain = estimated(made)
+    _, table = estimated(Streams({**made.tables, "gnss": gnss}))
+    assert rms(table, DRIVE, 5.0) < 2.0 * rms(plain, DRIVE, 5.0)
+
+
+@pytest.mark.parametrize("imu", [True, False])
+@pytest.mark.parametrize("accel_mps2", [0.5, 2.0])
+def test_a_start_in_a_curve_teaches_nothing_wrong(imu, accel_mps2):
+    """Front wheels roll further in a curve, and the driven ones slip as they start."""
+    of = setup()
+    drive = Drive(
+        duration_s=40.0,
+        speed=lambda t: np.clip((t - 8.0) * accel_mps2, 0.0, 2.0),
+        slip=lambda t: 0.1 * ((t > 8.0) & (t < 8.0 + 2.0 / accel_mps2)),
+    )
+    made = streams(drive, of)
+    t = seconds(made["wheels"]["epoch_ns"])
+    yaw_rate = drive.speed(t) / 6.0 * (t < 25.0)
+    wheels = dict(made["wheels"])
+    for wheel, side in (("fl", -1), ("fr", 1), ("rl", -1), ("rr", 1)):
+        v = drive.speed(t) + side * 0.5 * of.track_rear_m * yaw_rate
+        v = np.hypot(v, of.wheelbase_m * yaw_rate) if wheel[0] == "f" else v / (1 - drive.slip(t))
+        radius = of.wheels.radius_m[wheel]
+        way = np.cumsum(v) * 0.02
+        wheels[f"ticks_{wheel}"] = np.floor(way / radius / (2 * np.pi) * 4000).astype(np.int64)
+    tables = {**made.tables, "wheels": wheels}
+    if imu:
+        at = seconds(made["imu"]["epoch_ns"])
+        tables["imu"] = made["imu"] | {"gyro_z_radps": np.interp(at, t, yaw_rate)}
+    else:
+        del tables["imu"]
+    _, table = estimated(Streams(tables), of)
+    at = seconds(table["epoch_ns"])
+    steady = at > 8.0 + 2.0 / accel_mps2 + 0.5
+    assert np.abs(table["slip"])[steady].max() < 0.05
+
+
+@pytest.mark.parametrize("scale", [0.7, 1.0, 1.4])
+def test_a_camera_of_unknown_height_harms_nothing(scale):
+    made = streams(DRIVE, setup())
+    t = times(DRIVE, 30.0)
+    rng = np.random.default_rng(5)
+    walks = scale + 0.1 * np.sin(0.3 * t)
+    camera = stamps(t, 0.05) | {
+        "v_x_mps": walks * DRIVE.speed(t) + 0.004 * rng.standard_normal(len(t)),
+        "v_y_mps": 0.0 * t, "var_x_m2ps2": np.full_like(t, 0.004**2),
+        "interval_s": np.full_like(t, 1.0 / 30.0), "used": np.ones_like(t),
+    }  # fmt: skip
+    _, without = estimated(made)
+    memory, table = estimated(Streams({**made.tables, "camera": camera}))
+    assert rms(table, DRIVE, 5.0) < 1.15 * rms(without, DRIVE, 5.0)
+    assert memory["x"][CAMERA] == pytest.approx(walks[-1] - 1.0, abs=0.06)
+
+
+def test_slip_follows_the_load_when_gnss_is_gone():
+    """The draft makes the slip; the machine's bus tells the draft, and nobody else does then."""
+    pull = Drive(
+        duration_s=100.0,
+        speed=lambda t: 1.9 * (1 - 0.15 - 0.05 * np.sin(0.37 * t)),
+        slip=lambda t: 0.15 + 0.05 * np.sin(0.37 * t),
+    )
+    made = streams(pull, setup())
+    seen = seconds(made["gnss"]["epoch_ns"]) < 50.0
+    t = times(pull, 10.0)
+    machine = stamps(t) | {"draft_pin_n": 2e4 + 1e4 * np.sin(0.37 * t)}
+    wheels = {n: c for n, c in made["wheels"].items() if n not in ("ticks_fl", "ticks_fr")}
+    blind = {
+        "gnss": {name: column[seen] for name, column in made["gnss"].items()},
+        "wheels": wheels,
+    }
+    _, alone = estimated(Streams(blind))
+    memory, table = estimated(Streams({**blind, "machine": machine}))
+    assert rms(table, pull, 52.0) < 0.012
+    assert rms(table, pull, 52.0) < 0.5 * rms(alone, pull, 52.0)
+    assert memory["line"][FIRST_LOAD] == pytest.approx(0.05, abs=0.01)
+
+
+def test_what_slower_sensors_said_is_held_in_any_chunks():
+    made = streams(Drive(duration_s=3.0), setup())
+    t = np.array([0.5, 1.0, 1.5, 2.0])
+    machine = stamps(t) | {"draft_pin_n": np.array([1e4, np.nan, 3e4, 2e4])}
+    depth = stamps(t) | {"laser_m": np.array([1.2, 1.0, 0.98, 0.7])}
+    of = dataclasses.replace(setup(), depth=None)
+    both = Streams({**made.tables, "machine": machine, "depth": depth})
+    _, whole = held(dataclasses.replace(start(of), zero_m=1.0), both)
+    state, parts = dataclasses.replace(start(of), zero_m=1.0), []
+    for chunk in both.chunks(7):
+        state, part = held(state, chunk)
+        parts.append(part)
+    assert np.array_equal(np.concatenate(parts), whole, equal_nan=True)
+    assert whole.shape == (len(made), HELD)
+    assert {1.0, 3.0, 2.0} == set(whole[np.isfinite(whole[:, FIRST_LOAD]), FIRST_LOAD])
+    assert {1.0, 0.0} == set(whole[np.isfinite(whole[:, PLOUGH]), PLOUGH])
+    assert np.isnan(whole[0]).all()
+
+
+def test_a_covariance_stays_one():
+    memory, _ = estimated(read_late(streams(DRIVE, setup()), 2e-3))
+    p = memory["p"]
+    assert np.array_equal(p, p.T)
+    scale = np.sqrt(np.diag(p))
+    assert np.linalg.eigvalsh(p / np.outer(scale, scale)).min() > -1e-6
+    assert abs(memory["x"][TOWED]) < 0.01
+
+
+def test_a_drive_backwards_is_one():
+    back = Drive(duration_s=20.0, speed=lambda t: -1.2 + 0.0 * t, slip=lambda t: 0.05 + 0.0 * t)
+    _, table = estimated(streams(back, setup()))
+    late = seconds(table["epoch_ns"]) > 5.0
+    assert table["speed_mps"][late].mean() == pytest.approx(-1.2, abs=0.01)
+    due = derivative(lambda t: 1.0 * t, np.zeros(1))[0] * -0.05  # both speeds are negative
+    assert table["slip"][late].mean() == pytest.approx(due, abs=0.01)

@@ -1,0 +1,162 @@
+"""How well an estimator foretells a log: GNSS is hidden at regular places and scored at their ends.
+
+A log of a user has no truth. It has the receiver's speed, which an estimator can be kept from
+seeing. Pure functions on tables and streams.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.streams import Setup, Streams, Table
+
+Array = NDArray[np.float64]
+Errors = tuple[Array, Array, Array]
+"""Errors of speed [m/s] and slip, and the slip's squared error over its variance, by place."""
+
+LEARN_S = 30.0
+"""What an estimator sees before GNSS is hidden for the first time [s]."""
+SEEN_TIMES, MOST_SEEN_S = 4.0, 20.0
+"""GNSS is seen again for so many times the time it was hidden, at most as long and so much more."""
+MOVING_MPS = 0.5
+"""At the end of a hidden time the machine must drive faster than this [m/s]."""
+PLACES, MOST_PASSES = 30, 8
+"""A short log is passed again with its places shifted, until there are so many of them."""
+SLOW_MPS = 0.05
+"""The least speed that a slip is divided by, as slip is defined [m/s]."""
+DEFAULT_SD_MPS = 0.05
+"""Taken for the receiver's noise where nobody states it [m/s]."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """What an estimator foretells of the receiver's speed after `hidden_s` without it."""
+
+    estimator: str
+    hidden_s: float
+    n: int
+    """Number of hidden times at whose ends the machine drives."""
+    speed_rms_mps: float | None
+    """Root mean square of the speed's error [m/s]; None where the estimator is silent."""
+    slip_rms: float | None
+    """The same of the slip that the receiver's speed and the estimated wheel speed make."""
+    in_2sd: float | None
+    """Share of these slip errors within twice their sd, with the receiver's own noise in it."""
+
+
+def period_s(hidden_s: float) -> float:
+    """From the start of one hidden time to the start of the next [s]."""
+    return hidden_s + min(SEEN_TIMES * hidden_s, MOST_SEEN_S + hidden_s)
+
+
+def passes(setup: Setup, streams: Streams, hidden_s: float) -> Iterator[NDArray[np.int64]]:
+    """For each pass over a log, when its hidden times start [ns].
+
+    start = first GNSS sample + 30 s + (k + pass / passes) period
+    """
+    seen = streams["gnss"]["epoch_ns"][np.isfinite(speeds(setup, streams))]
+    if not len(seen):
+        return
+    period = period_s(hidden_s)
+    room = (seen[-1] - seen[0]) * 1e-9 - LEARN_S - hidden_s
+    count = int(min(MOST_PASSES, max(1, np.ceil(PLACES * period / max(room, period)))))
+    for shift in range(count):
+        first = LEARN_S + period * shift / count
+        starts = np.arange(first, LEARN_S + max(room, 0.0), period)
+        if len(starts):
+            yield seen[0] + np.round(starts * 1e9).astype(np.int64)
+
+
+def without_gnss(streams: Streams, start_ns: NDArray[np.int64], hidden_s: float) -> Streams:
+    """The streams without the samples of GNSS in (start, start + hidden_s], for each start."""
+    inside = place_of(streams["gnss"]["epoch_ns"], start_ns, hidden_s) >= 0
+    seen = {name: column[~inside] for name, column in streams["gnss"].items()}
+    return Streams({**streams.tables, "gnss": seen}, streams.frames)
+
+
+def place_of(
+    epoch_ns: NDArray[np.int64], start_ns: NDArray[np.int64], hidden_s: float
+) -> NDArray[np.int64]:
+    """Number of the hidden time that each epoch is in, -1 for none."""
+    place = np.searchsorted(start_ns, epoch_ns, side="left") - 1
+    since = epoch_ns - start_ns[np.maximum(place, 0)]
+    return np.where((place >= 0) & (since <= round(hidden_s * 1e9)), place, -1)
+
+
+def speeds(setup: Setup, streams: Streams) -> Array:
+    """The receiver's speed at each of its samples [m/s]; NaN without a fix.
+
+    v = v_east cos h + v_north sin h   with a heading h,   hypot(v_east, v_north)   without
+    """
+    east, north, heading, quality = (
+        streams.column("gnss", name).astype(np.float64)
+        for name in ("v_east_mps", "v_north_mps", "heading_rad", "quality")
+    )
+    heading = heading - (setup.gnss.heading_mount_rad if setup.gnss else 0.0)
+    along = east * np.cos(heading) + north * np.sin(heading)
+    speed = np.where(np.isfinite(heading), along, np.hypot(east, north))
+    return np.asarray(np.where(quality == 0.0, np.nan, speed))
+
+
+def errors(
+    setup: Setup, streams: Streams, table: Table, start_ns: NDArray[np.int64], hidden_s: float
+) -> Errors:
+    """How far an estimator is off at the ends of the hidden times.
+
+    slip error = (w - v) / max(|w|, |v|) - (w - v_gnss) / max(|w|, |v_gnss|)
+    variance   = slip_sd^2 + (sd_gnss max(|w|, |v|) / max(|w|, |v_gnss|)^2)^2
+
+    v, w: estimated speeds of ground and driven wheels. Of each hidden time the last sample of the
+    receiver is taken that is no newer than the last estimate in it. NaN where the estimator says
+    nothing; places at whose ends the machine does not drive are left out.
+    """
+    gnss, epoch_ns = streams["gnss"]["epoch_ns"], table["epoch_ns"]
+    measured = speeds(setup, streams)
+    sd = streams.column("gnss", "velocity_sd_mps").astype(np.float64)
+    told = setup.gnss.velocity_sd_mps if setup.gnss else DEFAULT_SD_MPS
+    sd = np.where(sd > 0.0, sd, told)
+    own = place_of(epoch_ns, start_ns, hidden_s)
+    place = place_of(gnss, start_ns, hidden_s)
+    rows: list[int] = []
+    for i in range(len(start_ns)):
+        inside = epoch_ns[own == i]
+        newest = inside.max() if len(inside) else np.iinfo(np.int64).max
+        at = np.flatnonzero((place == i) & (gnss <= newest) & np.isfinite(measured))
+        if len(at) and abs(measured[at[-1]]) > MOVING_MPS:
+            rows.append(int(at[-1]))
+    true, noise, when = measured[rows], sd[rows], gnss[rows]
+    v, w, slip_sd = (_at(table, name, when) for name in ("speed_mps", "wheel_speed_mps", "slip_sd"))
+    headed = np.isfinite(streams.column("gnss", "heading_rad").astype(np.float64)[rows])
+    true = np.where(headed | (v >= 0.0) | np.isnan(v), true, -true)
+    scale = np.maximum(np.maximum(np.abs(w), np.abs(true)), SLOW_MPS)
+    slip = (w - v) / np.maximum(np.maximum(np.abs(w), np.abs(v)), SLOW_MPS) - (w - true) / scale
+    by_noise = noise * np.where(np.abs(true) > np.abs(w), np.abs(w), scale) / scale**2
+    return v - true, slip, slip**2 / (slip_sd**2 + by_noise**2)
+
+
+def _at(table: Table, name: str, epoch_ns: NDArray[np.int64]) -> Array:
+    """A column at other epochs, linear between the rows."""
+    if name not in table or not len(table["epoch_ns"]):
+        return np.full(len(epoch_ns), np.nan)
+    start = table["epoch_ns"][0]
+    own = (table["epoch_ns"] - start).astype(np.float64)
+    return np.asarray(np.interp((epoch_ns - start).astype(np.float64), own, table[name]))
+
+
+def summed_up(estimator: str, hidden_s: float, of_passes: list[Errors]) -> Score:
+    """The score of an estimator over the errors of all passes."""
+    speed, slip, squared = (np.concatenate(part) for part in zip(*of_passes, strict=True))
+    known = squared[np.isfinite(squared)]
+    inside = float(np.mean(known <= 4.0)) if len(known) else None
+    return Score(estimator, hidden_s, len(speed), _rms(speed), _rms(slip), inside)
+
+
+def _rms(error: Array) -> float | None:
+    """None where there is no error, or where the estimator is silent at any place."""
+    if not len(error) or not np.isfinite(error).all():
+        return None
+    return float(np.sqrt(np.mean(error**2)))
