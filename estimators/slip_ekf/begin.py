@@ -28,7 +28,7 @@ from estimators.slip_ekf.layout import (
     W,
 )
 from estimators.slip_ekf.wheels import axle
-from twin.compute.compiled import law
+from twin.compute.compiled import array_law
 
 SLOW_MPS = 0.3
 """Below this the first speeds say nothing of slip."""
@@ -42,7 +42,7 @@ USUAL_SD, NO_IDEA_SD = 0.05, 0.1
 """sd of the usual slip about the first one, and where that says nothing."""
 
 
-@law
+@array_law
 def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: Record) -> None:
     """Begin with the first ground speed and the slip it makes with the driven wheels' speed."""
     wheels, sd = signal.wheel_mps, signal.wheel_sd_mps
@@ -105,7 +105,7 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
     _usual(memory)
 
 
-@law
+@array_law
 def _usual(memory: Record) -> None:
     """The first slip is the usual one, as far as anybody knows: 1 - v / w, its sd and 0.05 more."""
     x, p = memory.x, memory.p

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from estimators.kalman import Record
 from estimators.slip_ekf.layout import FROM_CAMERA, FROM_DRIVEN, FROM_GNSS, FROM_TOWED, TOWED
-from twin.compute.compiled import law
+from twin.compute.compiled import array_law
 
 WRONG = 9.0
 """What it costs that a source is wrong: three sd."""
@@ -25,7 +25,7 @@ CHANGE_SHARE, MOST_CHANGE = 0.04, 4.0
 """sd of a change of what is learnt of the towed wheels, and what it costs at most [-]."""
 
 
-@law
+@array_law
 def cost(v: float, asking: int, memory: Record) -> float:
     """What the sources beside the one that asks say against a ground speed [-]."""
     total = 0.0

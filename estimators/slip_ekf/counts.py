@@ -35,7 +35,7 @@ from estimators.slip_ekf.layout import (
 from estimators.slip_ekf.load import by_load, centred, learn_line
 from estimators.slip_ekf.update import grow, restart, take, variance
 from estimators.slip_ekf.wheels import APART_S, axle, in_the_air, radius, usable
-from twin.compute.compiled import law
+from twin.compute.compiled import array_law
 
 JUMP_MPS = 2.0
 """No wheel changes its speed by more between two samples, beyond what jitter makes [m/s]."""
@@ -66,7 +66,7 @@ SETTLE_SD_MPS2 = 0.05
 """sd by which gravity's part changes then, as the body settles another way."""
 
 
-@law
+@array_law
 def take_wheels(
     signal: Record, age: float, slower: Array, h: Array, nominal: Record, tuning: Record,
     memory: Record,
@@ -137,7 +137,7 @@ def take_wheels(
     memory.wheels_ns = signal.epoch_ns
 
 
-@law
+@array_law
 def turned(epoch_ns: int, memory: Record) -> float:
     """Pitch since the last wheel sample [rad]; the newest gyro samples are carried on to now.
 
@@ -153,7 +153,7 @@ def turned(epoch_ns: int, memory: Record) -> float:
     return float(since)
 
 
-@law
+@array_law
 def yawing(signal: Record, dt: float, jump: float, nominal: Record, memory: Record) -> None:
     """Right less left of both axles, averaged, and the yaw rate: the gyro's, else the wheels'.
 
@@ -177,7 +177,7 @@ def yawing(signal: Record, dt: float, jump: float, nominal: Record, memory: Reco
     memory.yaw_rate = rate
 
 
-@law
+@array_law
 def _listen(rear: float, front: float, step_s: float, memory: Record) -> None:
     """Variance of the instants of reading and of each axle's count, from second differences.
 
@@ -209,14 +209,14 @@ def _listen(rear: float, front: float, step_s: float, memory: Record) -> None:
         memory.count_var = _follow(memory.count_var, d_rear**2 / 6.0, gain)
 
 
-@law
+@array_law
 def _follow(now: float, found: float, gain: float) -> float:
     """A variance follows what is found, of which nine times as much counts at most."""
     some = max(now, 1e-8)
     return max(now + gain * (min(max(found, -some), 9.0 * some) - now), 0.0)
 
 
-@law
+@array_law
 def _stand(rear: float, front: float, h: Array, memory: Record) -> None:
     """A machine whose wheels all stand still stands still, and does not slip."""
     still = rear == 0.0 and (front == 0.0 or math.isnan(front)) and abs(memory.x[V]) < 0.1
@@ -229,7 +229,7 @@ def _stand(rear: float, front: float, h: Array, memory: Record) -> None:
         restart(memory, NUMBER[RATE], 0.3**2)
 
 
-@law
+@array_law
 def speed_var(source: int, speed: float, tau: float, var: float, memory: Record) -> float:
     """Variance of a speed: of one that is counted over 2 tau, with the instants of reading's.
 
@@ -242,7 +242,7 @@ def speed_var(source: int, speed: float, tau: float, var: float, memory: Record)
     return learn.white_var(source, speed, memory.time_ns, var, memory)
 
 
-@law
+@array_law
 def _take_front(
     age: float, tau: float, spans: bool, speed: float, var: float, front_turn: float, h: Array,
     tuning: Record, memory: Record,
@@ -271,7 +271,7 @@ def _take_front(
         memory.spans[1] = 1
 
 
-@law
+@array_law
 def _take_rear(
     age: float, tau: float, spans: bool, speed: float, var: float, dt: float, h: Array,
     tuning: Record, memory: Record,
@@ -312,7 +312,7 @@ def _take_rear(
         memory.spans[0] = 1
 
 
-@law
+@array_law
 def _restless(off: float, memory: Record) -> None:
     """Learn from what both axles surprise by together, the motion, and what by itself.
 
@@ -330,7 +330,7 @@ def _restless(off: float, memory: Record) -> None:
     memory.excess[FROM_TOWED] = learn.factor(memory.excess[FROM_TOWED], own, 1.0, 1.0, MOST_EXCESS)
 
 
-@law
+@array_law
 def _take_accel(signal: Record, dt: float, h: Array, memory: Record) -> None:
     """An accelerometer of the driven wheels, where a source has one: it needs no model of slip."""
     accel, n = 0.0, 0
@@ -363,7 +363,7 @@ MEASURED_PSD, WHEEL_ACCEL_SD = 0.3, 0.06
 paper's."""
 
 
-@law
+@array_law
 def _zero(raised: float, h: Array, memory: Record) -> None:
     """The zero condition: with the plough out of the ground the axle slips by a little known.
 
@@ -384,7 +384,7 @@ def _zero(raised: float, h: Array, memory: Record) -> None:
         memory.raised, memory.lowered = 0, 1
 
 
-@law
+@array_law
 def _usual(slower: Array, dt: float, h: Array, tuning: Record, memory: Record) -> None:
     """The driven wheels slip about as usual: what slip is off it by lasts some seconds.
 
@@ -418,7 +418,7 @@ def _usual(slower: Array, dt: float, h: Array, tuning: Record, memory: Record) -
     take(memory, h, -off, r)
 
 
-@law
+@array_law
 def _reload(down: float, memory: Record) -> None:
     """What the wheels carry moves from rear to front as the plough goes down: so do their radii."""
     memory.x[RADIUS] += down * UNLOAD

@@ -36,7 +36,7 @@ from estimators.slip_ekf.layout import (
 )
 from estimators.slip_ekf.report import report
 from estimators.slip_ekf.update import restart, take, variance
-from twin.compute.compiled import law
+from twin.compute.compiled import array_law
 
 FOLLOW = 4.0
 """An acceleration further off than this many sd is a new motion, and is followed."""
@@ -59,7 +59,7 @@ GYRO_GAP_S = 0.5
 """Step longer than this and the gyro's integral means nothing [s]."""
 
 
-@law
+@array_law
 def loop(
     signals: Any, slower: Array, nominal: Record, tuning: Record, memory: Record, out: Any
 ) -> int:
@@ -79,7 +79,7 @@ def loop(
     return n
 
 
-@law
+@array_law
 def measure(
     signal: Record, slower: Array, h: Array, nominal: Record, tuning: Record, memory: Record
 ) -> bool:
@@ -99,7 +99,7 @@ def measure(
     return False
 
 
-@law
+@array_law
 def advance(
     epoch_ns: int, nominal: Record, tuning: Record, memory: Record, f: Array, q: Array, room: Array
 ) -> None:
@@ -128,7 +128,7 @@ def advance(
     memory.time_ns = max(memory.time_ns, epoch_ns)
 
 
-@law
+@array_law
 def fading_s(tuning: Record, memory: Record) -> float:
     """Time over which accelerations are forgotten [s]."""
     if felt(memory):
@@ -136,7 +136,7 @@ def fading_s(tuning: Record, memory: Record) -> float:
     return UNHEARD_S if math.isfinite(memory.off_towed) else ALONE_S
 
 
-@law
+@array_law
 def unrest(heard: bool, tuning: Record, memory: Record) -> tuple[float, float, float]:
     """Densities of the noise on a, on r, and of both together [m2/s5].
 
@@ -152,7 +152,7 @@ def unrest(heard: bool, tuning: Record, memory: Record) -> tuple[float, float, f
     return jerk, jerk + OWN_PSD * memory.spin, jerk
 
 
-@law
+@array_law
 def shared(tuning: Record, memory: Record) -> float:
     """What of the ground's acceleration the driven wheels share, as far as it is learnt."""
     if memory.swings[1] == 0.0:
@@ -160,7 +160,7 @@ def shared(tuning: Record, memory: Record) -> float:
     return float(min(max(memory.swings[0] / memory.swings[1], 0.0), 1.0))
 
 
-@law
+@array_law
 def _is_carried(speed: float, epoch_ns: int, memory: Record) -> bool:
     """Whether a speed is the last one again, sooner than the receiver usually has a new one.
 
@@ -176,7 +176,7 @@ def _is_carried(speed: float, epoch_ns: int, memory: Record) -> bool:
     return False
 
 
-@law
+@array_law
 def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Record) -> None:
     """GNSS meets the speed of its own epoch; what the motion did since is noise."""
     speed, sd = signal.v_x_mps, signal.v_sd_mps
@@ -213,7 +213,7 @@ def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Rec
             take(memory, h, error, white)
 
 
-@law
+@array_law
 def _lean(off: float, sd: float, epoch_ns: int, press: float, memory: Record) -> None:
     """Where GNSS is off the same way for long, within the gate, the estimate is in doubt.
 
@@ -240,7 +240,7 @@ def _lean(off: float, sd: float, epoch_ns: int, press: float, memory: Record) ->
         memory.lean, memory.lean_ns = 0.0, epoch_ns
 
 
-@law
+@array_law
 def _take_camera(signal: Record, age: float, h: Array, tuning: Record, memory: Record) -> None:
     """A camera's forward speed; its own height is not known, and moves."""
     speed = signal.v_x_mps
@@ -264,7 +264,7 @@ CAMERA_SD = 0.005
 """sd of the quick part of a camera's relative error, as the chassis shakes."""
 
 
-@law
+@array_law
 def _take_imu(
     signal: Record, age: float, h: Array, nominal: Record, tuning: Record, memory: Record
 ) -> None:

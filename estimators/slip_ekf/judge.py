@@ -22,7 +22,7 @@ from estimators.slip_ekf.layout import (
     V,
 )
 from estimators.slip_ekf.update import grow, variance
-from twin.compute.compiled import law
+from twin.compute.compiled import array_law
 
 DOUBT = 1.0
 """Without an accelerometer the estimate itself is doubted by so much [-]."""
@@ -34,7 +34,7 @@ SLOW_MPS, MOST_SHARE = 0.5, 0.1
 """Below this speed an error says little of a scale, and none is off by more at once."""
 
 
-@law
+@array_law
 def judged(
     source: int, h: Array, error: float, r: float, press: float, tuning: Record, memory: Record
 ) -> bool:
@@ -78,13 +78,13 @@ def judged(
     return True
 
 
-@law
+@array_law
 def felt(memory: Record) -> bool:
     """Whether an accelerometer tells a motion, which else only speeds can tell."""
     return bool(memory.accel_count > 0 and memory.time_ns - memory.accel_ns[0] < 1e9)
 
 
-@law
+@array_law
 def doubt(source: int, off: float, since: float, backed: bool, memory: Record) -> None:
     """A source is off by so much [m/s] for so long [s]: the estimate is wrong, or its scale is.
 

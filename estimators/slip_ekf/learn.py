@@ -6,7 +6,7 @@ import math
 
 from estimators.kalman import Record
 from estimators.slip_ekf.layout import FROM_GNSS, LAGS, V
-from twin.compute.compiled import law
+from twin.compute.compiled import array_law
 
 SETTLE, JERK_SETTLE = 100.0, 500.0
 """Samples over which variances, and the density of the jerk, are averaged."""
@@ -26,7 +26,7 @@ PACE = 0.01
 """How fast a factor follows normalised innovations that are too large on average."""
 
 
-@law
+@array_law
 def accel_var(accel: float, epoch_ns: int, floor_var: float, memory: Record) -> float:
     """Variance of the white part of an acceleration, never below the data sheet's.
 
@@ -55,7 +55,7 @@ def accel_var(accel: float, epoch_ns: int, floor_var: float, memory: Record) -> 
     return float(max(memory.accel_var, floor_var))
 
 
-@law
+@array_law
 def white_var(source: int, speed: float, epoch_ns: int, told_var: float, memory: Record) -> float:
     """Variance of the white noise of a source of speeds, never below what it tells.
 
@@ -80,7 +80,7 @@ def white_var(source: int, speed: float, epoch_ns: int, told_var: float, memory:
     return float(max(memory.white_var[source], told_var))
 
 
-@law
+@array_law
 def gain(ground: float, wheel: float, dt: float, prior: float, memory: Record) -> None:
     """Learn how much of what the ground speed changes by quickly the driven wheels do, too.
 
@@ -102,7 +102,7 @@ def gain(ground: float, wheel: float, dt: float, prior: float, memory: Record) -
     swings[1] = max(keep * swings[1] + v * v * dt, 1e-9)
 
 
-@law
+@array_law
 def camera_walk(speed: float, epoch_ns: int, least: float, memory: Record) -> None:
     """Density of the walk of a camera's scale, from what GNSS and wheels make of it.
 
@@ -132,7 +132,7 @@ def camera_walk(speed: float, epoch_ns: int, least: float, memory: Record) -> No
         memory.camera_scale[1], memory.camera_ns = memory.camera_scale[0], epoch_ns
 
 
-@law
+@array_law
 def factor(now: float, nis: float, due: float, least: float, most: float) -> float:
     """A factor of a variance that grows while e^2 / S is on average above what is due.
 

@@ -13,7 +13,7 @@ import math
 from estimators.kalman import Array, Record
 from estimators.slip_ekf.held import HELD
 from estimators.slip_ekf.layout import USUAL
-from twin.compute.compiled import law
+from twin.compute.compiled import array_law
 
 PRIOR_SD, OFFSET_SD = 0.05, 0.2
 """sd of the slip that comes of one usual change of a load, and of the intercept."""
@@ -27,7 +27,7 @@ ROBUST = 3.0
 """A slip further off the line than this many sd counts as this many."""
 
 
-@law
+@array_law
 def centred(loads: Array, memory: Record, z: Array) -> None:
     """Fill z = (1, load - mean load); 0 for a load that nobody tells."""
     z[0] = 1.0
@@ -35,7 +35,7 @@ def centred(loads: Array, memory: Record, z: Array) -> None:
         z[i] = loads[i] - memory.mean_load[i] if math.isfinite(loads[i]) else 0.0
 
 
-@law
+@array_law
 def by_load(z: Array, memory: Record) -> tuple[float, float]:
     """Slip beside the usual one that the load makes, and its variance."""
     slip, var = 0.0, 0.0
@@ -46,7 +46,7 @@ def by_load(z: Array, memory: Record) -> tuple[float, float]:
     return min(max(slip, -MOST_BY_LOAD), MOST_BY_LOAD), max(var, 0.0)
 
 
-@law
+@array_law
 def _shift(i: int, by: float, memory: Record) -> None:
     """Move a mean load: the usual slip and the intercept are those at the mean."""
     p = memory.line_p
@@ -59,7 +59,7 @@ def _shift(i: int, by: float, memory: Record) -> None:
         p[j, 0] += by * p[j, i]
 
 
-@law
+@array_law
 def learn_line(
     loads: Array, slip: float, slip_var: float, dt: float, z: Array, pz: Array, memory: Record
 ) -> None:

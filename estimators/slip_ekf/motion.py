@@ -39,10 +39,10 @@ from estimators.slip_ekf.layout import (
     V,
     W,
 )
-from twin.compute.compiled import law
+from twin.compute.compiled import array_law
 
 
-@law
+@array_law
 def longer(v: float, front_turn: float) -> tuple[float, float]:
     """Way of a front wheel over that of the rear-axle centre, and its derivative by v times v.
 
@@ -57,7 +57,7 @@ def longer(v: float, front_turn: float) -> tuple[float, float]:
     return way / slow, slow / way
 
 
-@law
+@array_law
 def step(
     x: Array, rim: float, front_turn: float, fading_s: float, dt: float, tuning: Record, f: Array
 ) -> None:
@@ -106,7 +106,7 @@ def step(
     _swing(x, f, dt, tuning)
 
 
-@law
+@array_law
 def _swing(x: Array, f: Array, dt: float, tuning: Record) -> None:
     """The damped oscillator, exactly."""
     p, z = 2.0 * math.pi * tuning.swing_hz, SWING_DAMPING
@@ -124,7 +124,7 @@ SWING_DAMPING = 0.15
 """Damping ratio of a tractor that pitches on its tyres."""
 
 
-@law
+@array_law
 def noise(
     f: Array, jerk: float, wheel: float, both: float, receiver_var: float, quick_var: float,
     camera_psd: float, gravity: float, dt: float, tuning: Record, q: Array,
@@ -165,7 +165,7 @@ def noise(
     q[ACROSS, ACROSS] = tuning.across_psd * dt
 
 
-@law
+@array_law
 def shaken(q: Array, jerk: float, wheel: float, both: float, dt: float) -> None:
     """Add the noise of a step's jerks: Q or P grows.
 
@@ -193,7 +193,7 @@ def shaken(q: Array, jerk: float, wheel: float, both: float, dt: float) -> None:
         q[other, one] += density
 
 
-@law
+@array_law
 def carry(p: Array, f: Array, q: Array, room: Array) -> None:
     """P <- F P F^T + Q, with the zeros of F skipped; P stays symmetric to the bit.
 
@@ -209,7 +209,7 @@ def carry(p: Array, f: Array, q: Array, room: Array) -> None:
             p[i, j] = p[j, i] = room[i, j] + q[i, j]
 
 
-@law
+@array_law
 def _times(f: Array, p: Array, out: Array) -> None:
     """out = F P, row by row."""
     for i in range(SIZE):

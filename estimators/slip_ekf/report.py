@@ -21,7 +21,7 @@ from estimators.slip_ekf.layout import (
     W,
 )
 from estimators.slip_ekf.wheels import radius
-from twin.compute.compiled import law
+from twin.compute.compiled import array_law
 
 MOUNT_SD_RAD = 0.00175
 """sd of the antennas' mounting angle, 0.1 degree."""
@@ -29,7 +29,7 @@ AHEAD_S = 0.06
 """No further ahead of the newest gyro sample is the pitch rate predicted [s]."""
 
 
-@law
+@array_law
 def slip_variance(p: Array, ground: float, wheel: float, rim: float) -> float:
     """Variance of (w - v) / max(|w|, |v|, 0.05 m/s) from that of v, w and the swing.
 
@@ -47,7 +47,7 @@ def slip_variance(p: Array, ground: float, wheel: float, rim: float) -> float:
     return float(max(total, 0.0))
 
 
-@law
+@array_law
 def report(row: Record, signal: Record, nominal: Record, memory: Record) -> None:
     """Write the estimate of now; nothing before the first ground speed."""
     row.epoch_ns = memory.time_ns
@@ -81,7 +81,7 @@ def report(row: Record, signal: Record, nominal: Record, memory: Record) -> None
         _report_across(row, signal, nominal, memory)
 
 
-@law
+@array_law
 def _conflict(memory: Record) -> float:
     """How far GNSS is refused, where the other sources do not speak for the estimate [m/s]."""
     if memory.refused_ns[FROM_GNSS] < 0:
@@ -92,7 +92,7 @@ def _conflict(memory: Record) -> float:
     return float(abs(said - memory.x[V]))
 
 
-@law
+@array_law
 def _report_across(row: Record, signal: Record, nominal: Record, memory: Record) -> None:
     """Sideslip: its sd is that of v_y and of the antennas' mounting angle, which nothing tells."""
     ground, v_y = memory.x[V], memory.x[ACROSS]

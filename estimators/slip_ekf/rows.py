@@ -25,10 +25,10 @@ from estimators.slip_ekf.layout import (
     W,
 )
 from estimators.slip_ekf.motion import longer
-from twin.compute.compiled import law
+from twin.compute.compiled import array_law
 
 
-@law
+@array_law
 def gnss(x: Array, age: float, h: Array) -> float:
     """Ground speed of `age` ago: v - a (age + late) + receiver [m/s]."""
     lag = age + x[LATE]
@@ -37,7 +37,7 @@ def gnss(x: Array, age: float, h: Array) -> float:
     return float(x[V] - lag * x[A] + x[RECEIVER])
 
 
-@law
+@array_law
 def camera(x: Array, age: float, h: Array) -> float:
     """Ground speed as a camera of nominal height has it, `age` ago: (v - a age) (1 + camera)."""
     h[:] = 0.0
@@ -46,7 +46,7 @@ def camera(x: Array, age: float, h: Array) -> float:
     return float(v * scale)
 
 
-@law
+@array_law
 def accel(x: Array, h: Array) -> float:
     """An accelerometer along the body: a + bias [m/s2]."""
     h[:] = 0.0
@@ -54,7 +54,7 @@ def accel(x: Array, h: Array) -> float:
     return float(x[A] + x[BIAS])
 
 
-@law
+@array_law
 def towed(x: Array, age: float, front_turn: float, h: Array) -> float:
     """Speed of the towed wheels as their nominal radius gives it, `age` ago.
 
@@ -67,7 +67,7 @@ def towed(x: Array, age: float, front_turn: float, h: Array) -> float:
     return float(way * v * scale)
 
 
-@law
+@array_law
 def driven(x: Array, rim: float, age: float, h: Array) -> float:
     """Speed of the driven wheels as their nominal radius gives it, `age` ago.
 
@@ -82,7 +82,7 @@ def driven(x: Array, rim: float, age: float, h: Array) -> float:
     return float(w * scale)
 
 
-@law
+@array_law
 def travel(x: Array, state: int, speed: float, h: Array) -> float:
     """Counted travel since the last count [m]: REAR or FRONT + speed reading.
 
@@ -93,7 +93,7 @@ def travel(x: Array, state: int, speed: float, h: Array) -> float:
     return float(x[state] + speed * x[READING])
 
 
-@law
+@array_law
 def wheel_accel(x: Array, h: Array) -> float:
     """Acceleration of the driven rims: r + bias [m/s2]."""
     h[:] = 0.0
@@ -101,7 +101,7 @@ def wheel_accel(x: Array, h: Array) -> float:
     return float(x[RATE] + x[WHEEL_BIAS])
 
 
-@law
+@array_law
 def usual_slip(x: Array, by_load: float, rim: float, h: Array) -> float:
     """How far the ground speed is off what the usual slip makes it [m/s].
 
@@ -112,7 +112,7 @@ def usual_slip(x: Array, by_load: float, rim: float, h: Array) -> float:
     return float(x[V] - x[W] * (1.0 - x[USUAL] - by_load))
 
 
-@law
+@array_law
 def no_slip(x: Array, zero_slip: float, h: Array) -> float:
     """By how much the driven wheels are off what a slip known beforehand makes them [m/s]."""
     h[:] = 0.0
@@ -120,7 +120,7 @@ def no_slip(x: Array, zero_slip: float, h: Array) -> float:
     return float((1.0 - zero_slip) * x[W] - x[V])
 
 
-@law
+@array_law
 def one(state: int, h: Array) -> None:
     """The row of a state itself."""
     h[:] = 0.0

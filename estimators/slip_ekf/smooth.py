@@ -22,7 +22,7 @@ from estimators.slip_ekf.filter import advance, fading_s, measure
 from estimators.slip_ekf.held import USED, held
 from estimators.slip_ekf.layout import ACROSS, RADIUS, SIZE, SWING, V, W
 from estimators.slip_ekf.report import MOUNT_SD_RAD, slip_variance
-from twin.compute.compiled import law
+from twin.compute.compiled import array_law
 from twin.streams import Setup, Streams, Table
 
 GIVEN, RIM = 5, 4
@@ -75,7 +75,7 @@ class SlipEkfSmooth:
         return after, _estimates(table, mean[at], cov[at], rim, nodding)
 
 
-@law
+@array_law
 def _forward(
     samples: Any, slower: Array, nominal: Record, tuning: Record, memory: Record,
     epoch_ns: NDArray[np.int64], before: Array, before_cov: Array, mean: Array, cov: Array,
@@ -121,7 +121,7 @@ def _forward(
     return n + 1
 
 
-@law
+@array_law
 def _backward(
     n: int, tuning: Record, before: Array, before_cov: Array, mean: Array, cov: Array,
     cut: NDArray[np.int64], given: Array,

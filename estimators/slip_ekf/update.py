@@ -6,10 +6,10 @@ import numpy as np
 
 from estimators.kalman import Array, Record
 from estimators.slip_ekf.layout import RADIUS, SIZE
-from twin.compute.compiled import law
+from twin.compute.compiled import array_law
 
 
-@law
+@array_law
 def variance(p: Array, h: Array, r: float) -> float:
     """S = H P H^T + r."""
     total = r
@@ -20,7 +20,7 @@ def variance(p: Array, h: Array, r: float) -> float:
     return float(total)
 
 
-@law
+@array_law
 def take(memory: Record, h: Array, error: float, r: float) -> None:
     """K = P H^T / S,  x <- x + K e,  P <- P - K S K^T, in place; P stays symmetric to the bit.
 
@@ -65,7 +65,7 @@ def take(memory: Record, h: Array, error: float, r: float) -> None:
             memory.lost[RADIUS, RADIUS] -= ph[RADIUS] ** 2 / total
 
 
-@law
+@array_law
 def grow(p: Array, way: Array, by: float) -> None:
     """One unknown of variance `by` that moves several states at once: P <- P + by way way^T."""
     for i in range(SIZE):
@@ -74,7 +74,7 @@ def grow(p: Array, way: Array, by: float) -> None:
                 p[i, j] += by * way[i] * way[j]
 
 
-@law
+@array_law
 def restart(memory: Record, state: int, var: float) -> None:
     """A state that begins anew at zero."""
     memory.x[state] = 0.0

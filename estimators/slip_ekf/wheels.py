@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from estimators.kalman import Array, Record
-from twin.compute.compiled import law
+from twin.compute.compiled import array_law
 
 MOVING_MPS = 0.2
 """A counter that stands still while its wheel should turn this fast is stuck."""
@@ -16,7 +16,7 @@ APART_S, LIFTED, DOWN = 0.2, 0.03, 0.01
 touch the ground; they do again below the other. Tyres of one axle differ by less than 1 %."""
 
 
-@law
+@array_law
 def axle(
     wheels: Array, sd: Array, nominal: Record, driven: float, predicted: float, apart: float,
     jump: float,
@@ -46,7 +46,7 @@ def axle(
     return total / n, variance / n**2, n
 
 
-@law
+@array_law
 def usable(speed: float, predicted: float, jump: float) -> bool:
     """Whether a wheel's speed can be: finite, turning if it should, and no jump."""
     if not math.isfinite(speed):
@@ -56,7 +56,7 @@ def usable(speed: float, predicted: float, jump: float) -> bool:
     return not math.isfinite(predicted) or abs(speed - predicted) < jump
 
 
-@law
+@array_law
 def in_the_air(wheels: Array, apart: float, was: int, nominal: Record) -> int:
     """1 more than the place of the towed wheel that is in the air and coasts down, 0 for none.
 
@@ -79,7 +79,7 @@ def in_the_air(wheels: Array, apart: float, was: int, nominal: Record) -> int:
     return 0 if abs(apart) < DOWN * least else was
 
 
-@law
+@array_law
 def radius(nominal: Record, driven: float) -> float:
     """Mean nominal radius of an axle's wheels [m]; 0 where none is stated."""
     total, n = 0.0, 0

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.random import SeedSequence
 from numpy.typing import NDArray
 
-from twin.compute.compiled import pixel_loop
+from twin.compute.compiled import array_law
 
 _X, _Y = np.uint32(0x8DA6B343), np.uint32(0xD8163841)
 _A, _B = np.uint32(0x7FEB352D), np.uint32(0x846CA68B)
@@ -20,7 +20,7 @@ def keys(seed: int, term: str, number: int, count: int) -> NDArray[np.uint32]:
     return SeedSequence(seed, spawn_key=spawn_key).generate_state(count).astype(np.uint32)
 
 
-@pixel_loop
+@array_law
 def mixed(h: np.uint32) -> np.uint32:
     """Every bit of the result depends on every bit of h (Wellons' lowbias32, 2018)."""
     h = np.uint32(h ^ (h >> np.uint32(16)))
@@ -30,14 +30,14 @@ def mixed(h: np.uint32) -> np.uint32:
     return np.uint32(h ^ (h >> np.uint32(16)))
 
 
-@pixel_loop
+@array_law
 def node(key: np.uint32, ix: int, iy: int) -> np.uint32:
     """Hash of a lattice node; repeats only after 2^32 nodes along an axis."""
     hx = mixed(np.uint32(np.uint32(np.uint32(ix) * _X) ^ key))
     return mixed(np.uint32(hx ^ np.uint32(np.uint32(iy) * _Y)))
 
 
-@pixel_loop
+@array_law
 def uniform(h: np.uint32) -> np.float32:
     """A hash as a number in [0, 1)."""
     return np.float32(np.float32(h >> np.uint32(8)) * np.float32(1.0 / 16777216.0))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.camera.soil_texture import TEXEL_M, TILE, texture_keys, tile
-from twin.compute.compiled import pixel_loop
+from twin.compute.compiled import array_law
 from twin.errors import OutOfRange
 
 Array = NDArray[np.float64]
@@ -82,7 +82,7 @@ def patch(soil: Ground, x: int, y: int, side: int) -> NDArray[np.uint8]:
     return np.block(blocks)
 
 
-@pixel_loop
+@array_law
 def _fill(
     key: NDArray[np.uint32],
     level: int,
@@ -100,7 +100,7 @@ def _fill(
                 slot[0], slot[1] = i, j
 
 
-@pixel_loop
+@array_law
 def _pack(texels: NDArray[np.uint8], quads: NDArray[np.uint32]) -> None:
     for r in range(TILE):
         for c in range(TILE):
@@ -109,7 +109,7 @@ def _pack(texels: NDArray[np.uint8], quads: NDArray[np.uint32]) -> None:
             quads[place(np.uint32(r), np.uint32(c))] = np.uint32(low | (high << np.uint32(16)))
 
 
-@pixel_loop
+@array_law
 def place(row: np.uint32, column: np.uint32) -> np.uint32:
     """Where a quad is stored in its tile: blocks of 4 by 4, row by row."""
     block = np.uint32((row & _BLOCK) << np.uint32(_SHIFT)) | ((column & _BLOCK) << np.uint32(2))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from twin.camera.chance import keys, mixed
 from twin.camera.pinhole import Pinhole
-from twin.compute.compiled import pixel_loop
+from twin.compute.compiled import array_law
 
 DAYLIGHT_S = 0.002
 """Exposure that makes a frame's bytes equal the ground's brightness, at gain 1 [s]; assumed,
@@ -61,7 +61,7 @@ def develop(
     return image
 
 
-@pixel_loop
+@array_law
 def _develop(
     radiance: NDArray[np.float32],
     numbers: NDArray[np.float32],

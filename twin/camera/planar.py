@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from twin.camera.ground import SIDE, Ground, cover, ground, place
 from twin.camera.pinhole import Array, Pinhole, View, exposed, ground_points
 from twin.camera.soil_texture import TILE
-from twin.compute.compiled import pixel_loop
+from twin.compute.compiled import array_law
 
 SUBFRAME_PX = 2.5
 """Longest path of the picture between two parts of an exposure [px]; a texel's and a pixel's width
@@ -59,7 +59,7 @@ def _texel_from_pixel(ground_from_pixel: Array, low_m: Array, texel_m: float) ->
     return texel_from_pixel
 
 
-@pixel_loop
+@array_law
 def _project(quads: NDArray[np.uint32], parts: Array, image: NDArray[np.float32]) -> None:
     """Mean over the parts of the bilinear reading of the texture at each pixel's place.
 
@@ -87,7 +87,7 @@ def _project(quads: NDArray[np.uint32], parts: Array, image: NDArray[np.float32]
                 row[u] += share * (top + fy[u] * (low - top))
 
 
-@pixel_loop
+@array_law
 def _places(
     part: Array,
     v: int,

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.camera.chance import keys, mixed, node, uniform
-from twin.compute.compiled import pixel_loop
+from twin.compute.compiled import array_law
 
 Bytes = NDArray[np.uint8]
 Floats = NDArray[np.float32]
@@ -45,7 +45,7 @@ def texture_keys(seed: int) -> NDArray[np.uint32]:
     return keys(seed, "ground", 0, KEYS)
 
 
-@pixel_loop
+@array_law
 def tile(key: NDArray[np.uint32], ix: int, iy: int, level: int) -> Bytes:
     """Brightness of tile (ix, iy) and of the first texels beyond it, shape (TILE + 1, TILE + 1).
 
@@ -77,7 +77,7 @@ def tile(key: NDArray[np.uint32], ix: int, iy: int, level: int) -> Bytes:
     return _lit(height, coarse, reflects, grain, texel_mm)
 
 
-@pixel_loop
+@array_law
 def add_noise(out: Floats, key: np.uint32, x0: int, y0: int, shift: int, sd: np.float32) -> None:
     """Add smooth noise of a lattice 2^shift texels wide: cubic B-splines of uniform numbers.
 
@@ -124,7 +124,7 @@ def add_noise(out: Floats, key: np.uint32, x0: int, y0: int, shift: int, sd: np.
             row[c] += a * r0[c] + b * r1[c] + d * r2[c] + e * r3[c]
 
 
-@pixel_loop
+@array_law
 def _spline(f: np.float32) -> tuple[np.float32, np.float32, np.float32, np.float32]:
     """Weights of the uniform cubic B-spline at fraction f."""
     one, sixth = np.float32(1.0), np.float32(1.0 / 6.0)
@@ -137,7 +137,7 @@ def _spline(f: np.float32) -> tuple[np.float32, np.float32, np.float32, np.float
     )
 
 
-@pixel_loop
+@array_law
 def _add_clods(
     height: Floats,
     bumps: Floats,
@@ -161,7 +161,7 @@ def _add_clods(
                     _add_clod(height, bumps, reflects, h, i, j, cell, x0, y0, texel_mm)
 
 
-@pixel_loop
+@array_law
 def _add_clod(
     height: Floats,
     bumps: Floats,
@@ -206,7 +206,7 @@ def _add_clod(
             shades[c] += shade if room > none else none
 
 
-@pixel_loop
+@array_law
 def _add_stalks(
     height: Floats,
     reflects: Floats,
@@ -225,7 +225,7 @@ def _add_stalks(
                 _add_stalk(height, reflects, h, i, j, cell, x0, y0, texel_mm)
 
 
-@pixel_loop
+@array_law
 def _add_stalk(
     height: Floats,
     reflects: Floats,
@@ -267,7 +267,7 @@ def _add_stalk(
                 reflects[r, c] += cover * (straw - reflects[r, c])
 
 
-@pixel_loop
+@array_law
 def _lit(
     height: Floats, coarse: Floats, reflects: Floats, grain: Floats, texel_mm: np.float32
 ) -> Bytes:

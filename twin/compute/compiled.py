@@ -69,8 +69,8 @@ def law(function: Callable[P, R]) -> Callable[P, R]:
     return _njit(function, error_model="numpy", _nrt=False)
 
 
-def pixel_loop(function: Callable[P, R]) -> Callable[P, R]:
-    """`compiled`, but a division by zero is inf or NaN, which a loop over pixels has time for."""
+def array_law(function: Callable[P, R]) -> Callable[P, R]:
+    """A `law` that makes arrays: a division by zero is inf or NaN."""
     return _njit(function, error_model="numpy")
 
 
