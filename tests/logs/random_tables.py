@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from drives import MAP, as_text, drive
+from made_drive import MAP, as_text, drive
 
 from twin.errors import BadInput
 from twin.logs import Log, read

@@ -35,7 +35,7 @@ def noted(log: Log, part: str) -> bool:
 def test_a_value_carried_forward_is_one_measurement(name):
     result = estimate(CASES / name, CASES / "carried.toml", estimators=by_name(["slip-ekf"]))
     score = result.scores["estimators"]["slip-ekf"]["slip"]
-    assert 100 * score["rmse"] == pytest.approx(0.90, abs=0.02)
+    assert 100 * score["rmse"] < 0.6
     assert len(result.streams["gnss"]["epoch_ns"]) == 60
 
 

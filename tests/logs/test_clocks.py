@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from drives import MAP, SLIP, drive, mapped, written
+from made_drive import MAP, SLIP, drive, mapped, written
 
 from twin.errors import BadInput
 from twin.logs import paired_speeds, read

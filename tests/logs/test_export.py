@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from drives import drive
+from made_drive import drive
 
 from twin import cli
 from twin.errors import BadInput, UnknownName

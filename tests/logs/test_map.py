@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from drives import SLIP, drive, written
+from made_drive import SLIP, drive, written
 
 from twin import cli
 from twin.logs import found_in, paired_speeds, read

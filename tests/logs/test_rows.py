@@ -6,7 +6,7 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from drives import MAP, SLIP, as_text, drive, mapped, written
+from made_drive import MAP, SLIP, as_text, drive, mapped, written
 
 from twin import cli
 from twin.errors import BadInput
