@@ -39,6 +39,12 @@ def test_a_value_carried_forward_is_one_measurement(name):
     assert len(result.streams["gnss"]["epoch_ns"]) == 60
 
 
+@pytest.mark.slow
+def test_a_start_in_a_curve_does_not_teach_the_wheels_a_wrong_scale():
+    found = slip_of("launch_in_a_curve.csv", "launch_in_a_curve.toml", "slip-ekf")
+    assert found == pytest.approx(0.0, abs=0.01)
+
+
 @pytest.mark.parametrize(
     ("name", "column_map", "slip", "part"),
     [

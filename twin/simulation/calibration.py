@@ -36,6 +36,8 @@ def legs(scenario: Scenario) -> tuple[Scenario, ...]:
             scenario,
             field=level,
             plough=None,
+            implement=None,
+            implement_numbers=None,
             course=Course(approach_m=0.0, length_m=course.calibration_m, heading_deg=heading_deg),
         )
         for heading_deg in (0.0, 180.0)
