@@ -28,8 +28,8 @@ class Radar(Sensor):
         position, noise, last_ns = state
         position, epoch_ns, at = read(position, chunk, ("velocity_w", "world_from_body"))
         w, x, y, z = at["world_from_body"].T
-        ahead_e, ahead_n = 1 - 2 * (y * y + z * z), 2 * (x * y + w * z)  # the tractor's x axis
-        speed = ahead_e * at["velocity_w"][:, 0] + ahead_n * at["velocity_w"][:, 1]
+        ahead = 1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)  # the x axis
+        speed = sum(a * v for a, v in zip(ahead, at["velocity_w"].T, strict=True))
         drawn = self.speed_sd_mps * noise.standard_normal(len(epoch_ns))
         last_ns, arrival_ns = arrivals(last_ns, epoch_ns, np.full(len(epoch_ns), self.latency_s))
         table = {"epoch_ns": epoch_ns, "arrival_ns": arrival_ns}

@@ -73,6 +73,7 @@ class State:
     tick_m: tuple[float, ...]
     """Path per tick of each wheel, NaN without ticks."""
     x: Array
+    """Mean (13,), in the order of `model.V_X` to `model.ASIDE`, as is the covariance."""
     p: Array
     lateral_psd: float
     """Of the lateral speed's walk [m2/s3]."""
@@ -106,7 +107,7 @@ class SideslipEkf:
 
         x = [v_x, v_y of the camera, heading, gyro bias, heading bias, camera yaw, camera scale,
              wheel scale, slide of the centre of gravity, slide of the rear axle,
-             pull of the pixels, gyro scale]
+             pull of the pixels, gyro scale, path to the left since the last frame]
 
     The slides are the sideslip amounts, integrals of lateral speed, so that their sd knows of the
     biases they share. Camera yaw and heading bias are found where the machine drives straight on

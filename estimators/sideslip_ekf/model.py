@@ -1,7 +1,8 @@
 """The filter's state, how it goes on, and what each sensor says of it. Arrays are changed in place.
 
-Body axes at the rear-axle centre, in the ground plane: x ahead, y left. The lateral speed is the
-camera's, which needs no gyro; what the gyro's noise does to slides elsewhere is then theirs alone.
+Body axes at the rear-axle centre, in the ground plane: x ahead, y left. v_y is the lateral speed at
+the camera, measured without the gyro. The gyro's noise therefore enters only the slides of other
+points (rear axle, centre of gravity), which are reached through the yaw rate.
 
 One module, because a state, its rates and its Jacobian are read together.
 """

@@ -2,8 +2,8 @@
 
 The paper has no reference and no error figure: it says that slip stays within 6 % at about 5 km/h
 and within 2 % at about 20 km/h on asphalt, and scatters more on gravel and grass. Both are one
-speed error of about 0.1 m/s, so an instrument with such an error is fitted here: a Hall sensor read
-every 0.1 s.
+speed error of about 0.1 m/s, so the tractor here carries an instrument with such an error: Hall
+sensors read every 0.1 s.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ FITTED = Sensors(
 
 
 def rows(trials: int = 4, jobs: int = 1) -> Rows:
-    """All rows, over `trials` seeds."""
+    """One row per surface and speed: half-width of the central 99 % of slip, mean over seeds."""
     cases = [(s, v) for s in SURFACES for v in SPEEDS_KMH]
     seeds = [(s, v, seed) for s, v in cases for seed in range(trials)]
     widths = many((delayed(half_width)(*case) for case in seeds), jobs)

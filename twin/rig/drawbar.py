@@ -77,7 +77,7 @@ def drawbar(
     gear: Drive | None = None,
     machine: str | Machine = files.USUAL,
 ) -> DrawbarCurve:
-    """Pull of a tractor over slip, under constant loads, lock engaged.
+    """Pull of a tractor over slip, under constant loads, differential locked if it can be.
 
     The pull is horizontal, against the course. A load acts for 1 s and is then measured over 5 s.
     If speed or slip differs between the two halves of the 5 s, they are repeated, so that stored
@@ -97,7 +97,7 @@ def drawbar(
 
     Raises:
         OutOfRange: an argument outside what can be tested.
-        BadInput: the tractor cannot pull at all on this soil.
+        BadInput: the test ended with fewer than three points, too few for a curve.
     """
     own = usual(machine)
     hitch_m = own.hitch_m if hitch_m is None else hitch_m

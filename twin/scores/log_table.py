@@ -124,7 +124,7 @@ def scale_lines(scores: Mapping[str, Plain]) -> list[str]:
 
 
 def fuel_sentences(scores: Mapping[str, Plain]) -> list[str]:
-    """Litres per hectare, or why they cannot be told."""
+    """Area, L/ha and ha/h of the work, or why not; empty where the log has no activities."""
     drive = scores.get("drive") or {}
     if not drive.get("shares"):
         return []
