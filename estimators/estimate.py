@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from estimators import signals
 from estimators.kalman import Record, slip_and_sd
+from estimators.layout import OUT_OF_ORDER, STALE_S
 from estimators.wheel_speed import driven_mean, mean_variance
-from twin.compute.compiled import compiled
+from twin.compute.compiled import compiled, inlined
 from twin.streams import ESTIMATES, Setup, Streams, Table
 
 ROW = np.dtype(
@@ -50,6 +51,37 @@ def unknown(count: int) -> NDArray[Any]:
 def begin(setup: Setup, tuning: NDArray[Any], memory: NDArray[Any]) -> State:
     """The state before the first sample."""
     return State(signals.start(setup), tuning, memory)
+
+
+@inlined
+def each_sample(
+    take: Any, samples: Any, nominal: Record, tuning: Record, memory: Record, rows: Any
+) -> int:
+    """Give every sample that is in order to `take`; how many rows were written.
+
+    Args:
+        take: compiled, take(signal, nominal, tuning, memory, row) -> whether it wrote the row.
+        samples: records of `layout.SIGNALS`, in order of arrival.
+        nominal, tuning, memory: what the set-up says, the filter's constants, and what it carries.
+        rows: records of ROW to write, as many as samples.
+    """
+    count = 0
+    for i in range(len(samples)):
+        memory.flags |= samples[i].flags
+        if samples[i].flags & OUT_OF_ORDER:
+            continue
+        if take(samples[i], nominal, tuning, memory, rows[count]):
+            count += 1
+    return count
+
+
+@compiled
+def too_old(signal: Record, memory: Record) -> bool:
+    """Whether a sample is over STALE_S behind the filter's time; flags it as out of order."""
+    if (memory.time_ns - signal.epoch_ns) * 1e-9 > STALE_S:
+        memory.flags |= OUT_OF_ORDER
+        return True
+    return False
 
 
 def advance(loop: Loop, state: State, chunk: Streams) -> tuple[State, Table]:

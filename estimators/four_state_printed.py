@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from estimators.estimate import State, advance, begin, write_axle
+from estimators.estimate import State, advance, begin, each_sample, write_axle
 from estimators.kalman import Record, predict, update
-from estimators.layout import GNSS, NO_GROUND_SPEED, OUT_OF_ORDER, RESTARTED, STALE_S, WHEELS
+from estimators.layout import GNSS, NO_GROUND_SPEED, RESTARTED, STALE_S, WHEELS
 from estimators.wheel_speed import driven_mean, mean_variance
 from twin.compute.compiled import compiled
 from twin.streams import Setup, Streams, Table
@@ -76,24 +76,23 @@ class FourStatePrinted:
 
 @compiled
 def _loop(signals: Any, nominal: Record, tuning: Record, memory: Record, rows: Any) -> int:
-    count = 0
-    for i in range(len(signals)):
-        signal = signals[i]
-        memory.flags |= signal.flags
-        if signal.flags & OUT_OF_ORDER:
-            continue
-        if signal.sensor == GNSS and math.isfinite(signal.v_x_mps):
-            memory.v, memory.v_var = signal.v_x_mps, signal.v_sd_mps**2
-            memory.measured_ns = signal.epoch_ns
-        if signal.sensor != WHEELS:
-            continue
-        _collect(signal, nominal, memory)
-        steps = _steps_due(signal.epoch_ns, memory)
-        if steps > 0:
-            _step(steps, tuning, memory)
-            _report(rows[count], signal, nominal, memory)
-            count += 1
-    return count
+    return each_sample(_take, signals, nominal, tuning, memory, rows)
+
+
+@compiled
+def _take(signal: Record, nominal: Record, tuning: Record, memory: Record, row: Record) -> bool:
+    if signal.sensor == GNSS and math.isfinite(signal.v_x_mps):
+        memory.v, memory.v_var = signal.v_x_mps, signal.v_sd_mps**2
+        memory.measured_ns = signal.epoch_ns
+    if signal.sensor != WHEELS:
+        return False
+    _collect(signal, nominal, memory)
+    steps = _steps_due(signal.epoch_ns, memory)
+    if steps > 0:
+        _step(steps, tuning, memory)
+        _report(row, signal, nominal, memory)
+        return True
+    return False
 
 
 @compiled

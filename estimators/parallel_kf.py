@@ -16,14 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from estimators.estimate import State, advance, begin, write_axle
+from estimators.estimate import State, advance, begin, each_sample, too_old, write_axle
 from estimators.fusion import fuse
 from estimators.kalman import Record, predict, update
 from estimators.layout import (
     GNSS,
     IMU,
     NO_GROUND_SPEED,
-    OUT_OF_ORDER,
     RESTARTED,
     STALE_S,
     WHEELS,
@@ -169,27 +168,26 @@ working speed off, by their radius and by their skid under motion resistance."""
 
 @compiled
 def _loop(signals: Any, nominal: Record, tuning: Record, memory: Record, rows: Any) -> int:
-    count = 0
-    for i in range(len(signals)):
-        signal = signals[i]
-        memory.flags |= signal.flags
-        if signal.flags & OUT_OF_ORDER:
-            continue
-        _carry(signal.epoch_ns, tuning, memory)
-        age = (memory.time_ns - signal.epoch_ns) * 1e-9
-        if age > STALE_S:
-            memory.flags |= OUT_OF_ORDER
-        elif signal.sensor == GNSS:
-            _take_gnss(signal, age, tuning, memory)
-        elif signal.sensor == IMU:
-            for channel in range(2):
-                _take_accel(channel, signal.accel_mps2, tuning.accel_sd, memory)
-        elif signal.sensor == WHEELS:
-            _take_front(signal, age, nominal, tuning, memory)
-            _take_driven(signal, age, nominal, tuning, memory)
-            _report(rows[count], signal, nominal, memory)
-            count += 1
-    return count
+    return each_sample(_take, signals, nominal, tuning, memory, rows)
+
+
+@compiled
+def _take(signal: Record, nominal: Record, tuning: Record, memory: Record, row: Record) -> bool:
+    _carry(signal.epoch_ns, tuning, memory)
+    age = (memory.time_ns - signal.epoch_ns) * 1e-9
+    if too_old(signal, memory):
+        return False
+    if signal.sensor == GNSS:
+        _take_gnss(signal, age, tuning, memory)
+    elif signal.sensor == IMU:
+        for channel in range(2):
+            _take_accel(channel, signal.accel_mps2, tuning.accel_sd, memory)
+    elif signal.sensor == WHEELS:
+        _take_front(signal, age, nominal, tuning, memory)
+        _take_driven(signal, age, nominal, tuning, memory)
+        _report(row, signal, nominal, memory)
+        return True
+    return False
 
 
 @compiled

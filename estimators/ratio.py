@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from estimators.estimate import State, advance, begin, write
+from estimators.estimate import State, advance, begin, each_sample, write
 from estimators.kalman import Record
-from estimators.layout import GNSS, NO_GROUND_SPEED, OUT_OF_ORDER, STALE_S, WHEELS
+from estimators.layout import GNSS, NO_GROUND_SPEED, STALE_S, WHEELS
 from estimators.wheel_speed import mean_variance, towed_mean
 from twin.compute.compiled import compiled
 from twin.streams import Setup, Streams, Table
@@ -53,29 +53,24 @@ RATIO_FRONT = Ratio(towed=True)
 
 @compiled
 def _loop(signals: Any, nominal: Record, tuning: Record, memory: Record, rows: Any) -> int:
-    count = 0
-    for i in range(len(signals)):
-        signal = signals[i]
-        memory.flags |= signal.flags
-        if signal.flags & OUT_OF_ORDER:
-            continue
-        if signal.sensor == GNSS and not tuning.towed and math.isfinite(signal.v_x_mps):
-            memory.v_ns, memory.v_mps = signal.epoch_ns, signal.v_x_mps
-            memory.v_var = signal.v_sd_mps**2
-        if signal.sensor != WHEELS:
-            continue
-        if tuning.towed:
-            memory.v_ns, memory.v_mps = signal.epoch_ns, towed_mean(signal.wheel_mps, nominal)
-            memory.v_var = mean_variance(signal.wheel_sd_mps, nominal, 0.0, signal.one_towed_speed)
-        if (signal.epoch_ns - memory.v_ns) * 1e-9 > STALE_S:
-            memory.v_mps = np.nan
-        if math.isnan(memory.v_mps):
-            memory.flags |= NO_GROUND_SPEED
-        row = rows[count]
-        write(
-            row, signal, nominal, memory.v_mps, memory.v_var, signal.wheel_mps, signal.wheel_sd_mps
-        )
-        row.epoch_ns, row.flags = signal.epoch_ns, memory.flags
-        memory.flags = 0
-        count += 1
-    return count
+    return each_sample(_take, signals, nominal, tuning, memory, rows)
+
+
+@compiled
+def _take(signal: Record, nominal: Record, tuning: Record, memory: Record, row: Record) -> bool:
+    if signal.sensor == GNSS and not tuning.towed and math.isfinite(signal.v_x_mps):
+        memory.v_ns, memory.v_mps = signal.epoch_ns, signal.v_x_mps
+        memory.v_var = signal.v_sd_mps**2
+    if signal.sensor != WHEELS:
+        return False
+    if tuning.towed:
+        memory.v_ns, memory.v_mps = signal.epoch_ns, towed_mean(signal.wheel_mps, nominal)
+        memory.v_var = mean_variance(signal.wheel_sd_mps, nominal, 0.0, signal.one_towed_speed)
+    if (signal.epoch_ns - memory.v_ns) * 1e-9 > STALE_S:
+        memory.v_mps = np.nan
+    if math.isnan(memory.v_mps):
+        memory.flags |= NO_GROUND_SPEED
+    write(row, signal, nominal, memory.v_mps, memory.v_var, signal.wheel_mps, signal.wheel_sd_mps)
+    row.epoch_ns, row.flags = signal.epoch_ns, memory.flags
+    memory.flags = 0
+    return True
