@@ -54,6 +54,25 @@ def test_rig_study_export_and_checks_take_it(own, capsys):
     assert '"rear.stiffness_npm"' in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("implement", [[], ["--implement", "none"], ["--implement", "tool.toml"]])
+def test_a_mjcf_with_an_implement_is_refused_in_one_line(own, implement, capsys):
+    export = ["machine", "export", "mine.toml", "full.xml", "--implement", "tool.toml"]
+    assert cli.main(export) == 0
+    for command in (
+        ["run", "plough-20cm", "--machine", "full.xml", *implement],
+        ["machine", "export", "full.xml", "again.xml", *implement],
+        ["machine", "check", "full.xml"],
+        ["machine", "show", "full.xml"],
+    ):
+        capsys.readouterr()
+        assert cli.main(command) == 2
+        err = capsys.readouterr().err
+        assert err.count("\n") == 1
+        assert "carries an implement already" in err
+        assert "without --implement" in err
+    assert {p.name for p in own.iterdir()} == {"mine.toml", "tool.toml", "full.xml"}
+
+
 @pytest.mark.parametrize(
     "chosen",
     [{"machine": "mine.toml", "implement": "tool.toml", "depth_m": 0.1},

@@ -14,7 +14,6 @@ from twin.errors import BadInput, TwinError, UnknownName
 from twin.vehicle import Implement, Machine, files
 from twin.vehicle.check import findings
 from twin.vehicle.derive import derive
-from twin.vehicle.files import mjcf_path
 from twin.vehicle.implement import NONE
 from twin.vehicle.implement_derive import derive_implement
 from twin.vehicle.numerics import implement_numbers, machine_facts
@@ -144,7 +143,7 @@ def _check(spec: str) -> int:
     if isinstance(part, Implement):
         say(f"{part.name}: nothing is inconsistent")
         return 0
-    mjcf_path(part)
+    machine_facts(part)  # refuses a MJCF that would not drive
     found = findings(part)
     for finding in found:
         print(finding if finding.fatal else f"{finding} (odd, but can be driven)")
