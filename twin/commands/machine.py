@@ -20,7 +20,8 @@ from twin.vehicle.numerics import implement_numbers, machine_facts
 from twin.vehicle.reading import read
 from twin.vehicle.source import Graded
 
-ACTIONS = ("show", "check", "export")
+ACTIONS = {"show": "NAME|FILE", "check": "FILE", "export": "NAME|FILE OUT.xml"}
+"""What is done -> the arguments that come first."""
 INCONSISTENT = 1
 
 
@@ -58,16 +59,16 @@ def main(args: Sequence[str]) -> int:
     action, rest = args[0], list(args[1:])
     if action not in ACTIONS:
         raise UnknownName("action of twin machine", action, ACTIONS)
-    wanted = 2 if action == "export" else 1
-    if any(a in ("-h", "--help") for a in rest):
-        wanted = 0
+    prog = f"twin machine {action} {ACTIONS[action]}"
+    if {"-h", "--help"} & set(rest):
+        parse({"show": Show, "check": Check, "export": Export}[action], ["--help"], prog=prog)
+    wanted = len(ACTIONS[action].split())
     names, options = rest[:wanted], rest[wanted:]
-    if len(names) < wanted or any(name.startswith("--") for name in names):
+    if len(names) < wanted or any(name.startswith("-") for name in names):
         what = "a name or a file" + (", and a file to write" if action == "export" else "")
         raise BadInput(f"twin machine {action} needs {what} first")
-    prog = f"twin machine {action}"
     if action == "show":
-        return _show(names[0] if names else "", parse(Show, options, prog=prog))
+        return _show(names[0], parse(Show, options, prog=prog))
     if action == "check":
         parse(Check, options, prog=prog)
         return _check(names[0])
