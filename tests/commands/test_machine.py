@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.vehicle.wrong_files import IMPLEMENT, MACHINE
+from tests.vehicle.wrong_files import IMPLEMENT, MACHINE, WRONG_IMPLEMENTS, other
 from twin import cli
 
 HELPED = {"show": "NAME|FILE", "check": "FILE", "export": "NAME|FILE OUT.xml"}
@@ -24,3 +24,23 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_help_names_the_files_wherever_it_is_asked_for(action, given, asked, capsys):
     assert cli.main(["machine", action, *given, asked]) == 0
     assert f"twin machine {action} {HELPED[action]} [" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("case", WRONG_IMPLEMENTS)
+@pytest.mark.parametrize("action", ["show", "check"])
+def test_a_wrong_implement_has_the_message_of_an_implement(own, action, case, capsys):
+    text, said = WRONG_IMPLEMENTS[case]
+    Path("tool.toml").write_text(text)
+    assert cli.main(["machine", action, "tool.toml"]) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1
+    assert "wheelbase_m" not in err
+    for part in said:
+        assert part in err, err
+
+
+def test_a_wrong_machine_has_the_message_of_a_machine(own, capsys):
+    for text in (other(MACHINE, mass_kg=""), MACHINE.replace("mass_kg", "bodies = 3\nmass_kg", 1)):
+        Path("mine.toml").write_text(text)
+        assert cli.main(["machine", "check", "mine.toml"]) == 2
+        assert "rows" not in capsys.readouterr().err

@@ -10,7 +10,7 @@ from pathlib import Path
 from twin.commands.parse import parse
 from twin.commands.tables import Column, print_table
 from twin.commands.terminal import say
-from twin.errors import BadInput, TwinError, UnknownName
+from twin.errors import BadInput, UnknownName
 from twin.vehicle import Implement, Machine, files
 from twin.vehicle.check import findings
 from twin.vehicle.derive import derive
@@ -79,15 +79,9 @@ def _found(spec: str) -> Machine | Implement:
     """A machine, or an implement: by name, or by what is in the file."""
     if spec in files.implement_names():
         return files.implement(spec)
-    try:
-        return files.machine(spec)
-    except TwinError as error:
-        if spec.endswith(".toml") and Path(spec).is_file():
-            try:
-                return files.implement(spec)
-            except TwinError:
-                raise error from None
-        raise
+    if spec.endswith(".toml") and files.kind_of(Path(spec)) is Implement:
+        return files.implement(spec)
+    return files.machine(spec)
 
 
 def _numbers(part: Machine | Implement) -> dict[str, Graded]:
@@ -130,17 +124,10 @@ def _show(spec: str, options: Show) -> int:
 
 def _check(spec: str) -> int:
     """Print every inconsistency in a line of its own."""
-    if spec in (*files.machine_names(), *files.implement_names()) or not spec.endswith(".toml"):
-        part = _found(spec)
+    if spec.endswith(".toml") and files.kind_of(Path(spec)) is Machine:
+        part: Machine | Implement = read(Machine, Path(spec))  # however inconsistent
     else:
-        path = Path(spec)
-        try:
-            part = read(Machine, path)
-        except TwinError as error:
-            try:
-                part = files.implement(spec)
-            except TwinError:
-                raise error from None
+        part = _found(spec)
     if isinstance(part, Implement):
         say(f"{part.name}: nothing is inconsistent")
         return 0

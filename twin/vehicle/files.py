@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path
 from typing import TypeVar
@@ -12,7 +12,7 @@ from twin.io.plain import Plain
 from twin.vehicle.check import refuse_inconsistent
 from twin.vehicle.implement import NONE, Implement
 from twin.vehicle.machine import Machine
-from twin.vehicle.reading import read
+from twin.vehicle.reading import read, table_of
 
 T = TypeVar("T", Machine, Implement)
 USUAL = "taishan_1404a"
@@ -60,6 +60,17 @@ def implement(spec: str) -> Implement:
     if spec == NONE:
         return Implement(name=NONE, kind=NONE, about="the tractor alone")
     return _found("implement", spec, "implements", Implement)
+
+
+def kind_of(path: Path) -> type[Machine] | type[Implement]:
+    """Whether a TOML file is a machine's or an implement's: whose fields it has more of.
+
+    With as many of both it is an implement's where it has the width that an implement needs.
+    """
+    given = set(table_of(path))
+    machines, implements = ({f.name for f in fields(k)} for k in (Machine, Implement))
+    own = len(given & (machines - implements)) - len(given & (implements - machines))
+    return Machine if own > 0 or (own == 0 and "width_m" not in given) else Implement
 
 
 def mjcf_path(part: Machine | Implement) -> Path | None:

@@ -33,16 +33,21 @@ def read(kind: type[T], path: Path) -> T:
         BadInput: it cannot be read, a field is unknown or of another kind, or the dataclass refuses
             a value; one line with the file, the field, the value and what would do.
     """
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise BadInput(f"{path} is missing; a TOML file would do") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise BadInput(f"{path} is no TOML file: {line(error)}") from None
+    table = table_of(path)
     try:
         return from_table(kind, table, folder=str(path.parent.absolute()))
     except TwinError as error:
         raise BadInput(f"{path}: {error}") from None
+
+
+def table_of(path: Path) -> dict[str, Plain]:
+    """The table of a TOML file. Raises BadInput where it cannot be read."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise BadInput(f"{path} is missing; a TOML file would do") from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise BadInput(f"{path} is no TOML file: {line(error)}") from None
 
 
 def from_table(kind: type[T], table: Mapping[str, Plain], *, folder: str) -> T:
