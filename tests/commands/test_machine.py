@@ -1,5 +1,6 @@
 """`twin machine`: its help, and what it says of a file."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -44,3 +45,13 @@ def test_a_wrong_machine_has_the_message_of_a_machine(own, capsys):
         Path("mine.toml").write_text(text)
         assert cli.main(["machine", "check", "mine.toml"]) == 2
         assert "rows" not in capsys.readouterr().err
+
+
+def test_show_says_that_a_front_axle_must_be_engaged(own, capsys):
+    assert cli.main(["machine", "show", "mine.toml"]) == 0
+    assert "note:" not in capsys.readouterr().out
+    Path("mine.toml").write_text(MACHINE + '[drive]\ndriven = "all"\n')
+    assert cli.main(["machine", "show", "mine.toml"]) == 0
+    assert "--drive.all-wheel-drive" in " ".join(capsys.readouterr().out.split())
+    assert cli.main(["machine", "show", "mine.toml", "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["notes"]) == 1

@@ -14,6 +14,7 @@ from twin.errors import BadInput, UnknownName
 from twin.vehicle import Implement, Machine, files
 from twin.vehicle.check import findings
 from twin.vehicle.derive import derive
+from twin.vehicle.files import mjcf_path
 from twin.vehicle.implement import NONE
 from twin.vehicle.implement_derive import derive_implement
 from twin.vehicle.numerics import implement_numbers, machine_facts
@@ -89,14 +90,29 @@ def _numbers(part: Machine | Implement) -> dict[str, Graded]:
     if isinstance(part, Machine):
         if part.mjcf is None:
             return dict(derive(part).numbers)
-        said = f"numeric of {part.mjcf}; README.md beside it has grade and source"
-        return {n: Graded(v, "given", said) for n, v in machine_facts(part).numbers.items()}
+        return {n: Graded(v, "given", _by_hand(part)) for n, v in machine_facts(part).numbers.items()}
     if part.kind == NONE:
         return {}
     if part.mjcf is None:
         return dict(derive_implement(part).numbers)
-    said = f"numeric of {part.mjcf}; README.md beside it has grade and source"
-    return {n: Graded(v, "given", said) for n, v in implement_numbers(part).items()}
+    return {n: Graded(v, "given", _by_hand(part)) for n, v in implement_numbers(part).items()}
+
+
+def _by_hand(part: Machine | Implement) -> str:
+    """Where the numbers of a MJCF stand, and their sources where somebody wrote them down."""
+    path = mjcf_path(part)
+    told = path is not None and (path.parent / "README.md").is_file() and not part.folder
+    return f"numeric of {part.mjcf}" + "; README.md beside it has grade and source" * told
+
+
+def _notes(part: Machine | Implement) -> list[str]:
+    """What a reader of the numbers would else miss."""
+    if isinstance(part, Machine) and part.drive.driven == "all":
+        return [
+            "drive.driven = all says that the front axle can be engaged; a run drives the rear "
+            "axle alone unless --drive.all-wheel-drive engages the front"
+        ]
+    return []
 
 
 def _show(spec: str, options: Show) -> int:
@@ -107,8 +123,8 @@ def _show(spec: str, options: Show) -> int:
             path: {"value": n.value, "grade": n.grade, "source": n.source}
             for path, n in numbers.items()
         }
-        print(json.dumps({"schema": 1, "name": part.name, "about": part.about, "numbers": rows},
-                         indent=2))  # fmt: skip
+        print(json.dumps({"schema": 1, "name": part.name, "about": part.about, "numbers": rows,
+                          "notes": _notes(part)}, indent=2))  # fmt: skip
         return 0
     say(f"{part.name}: {part.about}", style="bold")
     values = [f"{n.value:.6g}" for n in numbers.values()]
@@ -119,6 +135,8 @@ def _show(spec: str, options: Show) -> int:
         Column(heading="source or rule", cells=[n.source or "-" for n in numbers.values()], rank=1,
                text=True),
     ])  # fmt: skip
+    for note in _notes(part):
+        say(f"note: {note}", style="dim")
     return 0
 
 
