@@ -55,3 +55,12 @@ def test_show_says_that_a_front_axle_must_be_engaged(own, capsys):
     assert "--drive.all-wheel-drive" in " ".join(capsys.readouterr().out.split())
     assert cli.main(["machine", "show", "mine.toml", "--json"]) == 0
     assert len(json.loads(capsys.readouterr().out)["notes"]) == 1
+
+
+def test_show_names_a_readme_only_where_there_is_one(own, capsys):
+    assert cli.main(["machine", "export", "mine.toml", "mine.xml"]) == 0
+    capsys.readouterr()
+    for name, told in (("mine.xml", False), ("taishan_1404a", True), ("plough_1lf435", True)):
+        assert cli.main(["machine", "show", name, "--json"]) == 0
+        numbers = json.loads(capsys.readouterr().out)["numbers"]
+        assert {"README.md" in n["source"] for n in numbers.values()} == {told}
