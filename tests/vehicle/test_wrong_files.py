@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.vehicle.wrong_files import IMPLEMENT, MACHINE, cases
+from tests.vehicle.wrong_files import IMPLEMENT, MACHINE, cases, other
 from twin import cli
 from twin.vehicle import files
 
@@ -57,3 +57,28 @@ def test_check_says_every_inconsistency_and_has_a_status(tmp_path, monkeypatch, 
 def test_the_catalogue_is_consistent(name, capsys):
     assert cli.main(["machine", "check", name]) == 0
     assert "nothing is inconsistent" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("text", "paths"),
+    [
+        (other(MACHINE, rear__tyre='"900/60R42"'), ["rear.tyre", "wheelbase_m"]),
+        (other(MACHINE, rear__tyre='"900/60R42"', mass_kg="9800", wheelbase_m="2.9"), []),
+        (other(MACHINE, rear__tyre='"600/65R38"'), []),
+        (other(MACHINE, rear__duals="true"), []),
+        (other(MACHINE, engine__max_power_kw="92"), []),
+        (other(MACHINE, engine__max_power_kw="150", engine__kind='"electric"'), []),
+        (MACHINE.replace("mass_kg", 'implement = "ploughx"\nmass_kg', 1), ["implement"]),
+        (MACHINE.replace("mass_kg", 'implement = "away.toml"\nmass_kg', 1), ["implement"]),
+        (MACHINE.replace("mass_kg", 'implement = "tool.toml"\nmass_kg', 1), []),
+        (MACHINE.replace("mass_kg", 'implement = "none"\nmass_kg', 1), []),
+    ],
+)
+def test_check_tells_what_does_not_go_together(text, paths, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("farm").mkdir()
+    Path("farm/tool.toml").write_text(IMPLEMENT)
+    Path("farm/mine.toml").write_text(text)
+    assert cli.main(["machine", "check", "farm/mine.toml"]) == bool(paths)
+    out = capsys.readouterr().out
+    assert [line.split(" ")[0] for line in out.splitlines()] == (paths or ["mine:"])

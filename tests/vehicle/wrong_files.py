@@ -138,6 +138,11 @@ WRONG_MACHINES: dict[str, tuple[str, tuple[str, ...]]] = {
                                   ("engine.pto_power_kw", "80", "74")),
     "greatest below rated power": (other(M, engine__max_power_kw="60"),
                                    ("engine.max_power_kw", "60", "74")),
+    "greatest far above rated power": (other(M, engine__max_power_kw="150"),
+                                       ("engine.max_power_kw", "150", "74", "99.9")),
+    "torque points far above rated power": (
+        other(M, engine__torque_points="[[1400, 800], [2200, 321]]"),
+        ("engine.torque_points", "117", "74", "99.9")),
     "idle above rated speed": (other(M, engine__idle_rpm="2300"), ("engine.idle_rpm", "2300")),
     "no-load below rated speed": (other(M, engine__no_load_rpm="2100"),
                                   ("engine.rated_rpm", "2200", "2100")),

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from twin.commands.parse import parse
 from twin.commands.tables import Column, print_table
 from twin.commands.terminal import say
-from twin.errors import BadInput, UnknownName
+from twin.errors import BadInput, TwinError, UnknownName
 from twin.vehicle import Implement, Machine, files
-from twin.vehicle.check import findings
+from twin.vehicle.check import Finding, findings
 from twin.vehicle.derive import derive
 from twin.vehicle.files import mjcf_path
 from twin.vehicle.implement import NONE
@@ -90,7 +90,9 @@ def _numbers(part: Machine | Implement) -> dict[str, Graded]:
     if isinstance(part, Machine):
         if part.mjcf is None:
             return dict(derive(part).numbers)
-        return {n: Graded(v, "given", _by_hand(part)) for n, v in machine_facts(part).numbers.items()}
+        return {
+            n: Graded(v, "given", _by_hand(part)) for n, v in machine_facts(part).numbers.items()
+        }
     if part.kind == NONE:
         return {}
     if part.mjcf is None:
@@ -150,12 +152,22 @@ def _check(spec: str) -> int:
         say(f"{part.name}: nothing is inconsistent")
         return 0
     machine_facts(part)  # refuses a MJCF that would not drive
-    found = findings(part)
+    found = [*_of_implement(part), *findings(part)]
     for finding in found:
         print(finding if finding.fatal else f"{finding} (odd, but can be driven)")
     if not found:
         say(f"{part.name}: nothing is inconsistent")
     return INCONSISTENT if found else 0
+
+
+def _of_implement(part: Machine) -> Iterator[Finding]:
+    """The implement that the file names and that cannot be had."""
+    name = files.usual_implement(part)
+    try:
+        if name is not None:
+            files.implement(name)
+    except TwinError as error:
+        yield Finding("implement", f"= {part.implement}: {error}")
 
 
 def _export(spec: str, out: Path, options: Export) -> int:

@@ -12,6 +12,15 @@ from twin.vehicle.derive import RPM, Derived, derive
 from twin.vehicle.machine import Machine
 from twin.vehicle.tyre_code import tyre_size
 
+MOST_OVER_RATED = 1.35
+"""Greatest over rated power of a diesel: engines with boost have 1.10 to 1.25."""
+LEAST_ON_TYRE_NPM3 = 4500.0
+"""Wheel load over width and diameter squared of a rear tyre: wide tyres under light tractors have
+6500, those of heavy ones 8000 to 20000."""
+LEAST_WHEELBASE = 1.25
+"""Wheelbase over the diameter of the rear tyre; of tractors it is 1.4 to 2."""
+SMALL_M = 0.8
+"""Tyres below it are no tractor's; what is usual of those is not asked of them."""
 LEADS = (-0.005, 0.06)
 """Leads of a front axle that are usual; 1 to 5 % are designed for."""
 
@@ -156,6 +165,20 @@ def _tyres(machine: Machine, n: Derived) -> Iterator[Finding]:
             "rear_axle_height_m", f"= {height:g}, but the tyre carries the axle at "
             f"{n['rear.height_m']:.3g} m; a tyre or a height that agree would do",
         )  # fmt: skip
+    rear_m, load_n = n["rear.diameter_m"], n["rear.nominal_load_n"]
+    size_m3 = n["rear.width_m"] * rear_m**2
+    if rear_m >= SMALL_M and load_n < LEAST_ON_TYRE_NPM3 * size_m3:
+        yield Finding(
+            "rear.tyre" if machine.rear.tyre else "rear.diameter_m",
+            f"= {machine.rear.tyre or f'{rear_m:g}'}, {n['rear.width_m']:.3g} m wide and "
+            f"{rear_m:.3g} m high, carries {load_n / 9.81:.4g} kg alone; above "
+            f"{LEAST_ON_TYRE_NPM3 * size_m3 / 9.81:.4g} kg is usual", fatal=False,
+        )  # fmt: skip
+    if n["wheelbase_m"] < LEAST_WHEELBASE * rear_m:
+        yield Finding(
+            "wheelbase_m", f"= {n['wheelbase_m']:g} with rear tyres {rear_m:.3g} m high; above "
+            f"{LEAST_WHEELBASE * rear_m:.3g} is usual", fatal=False,
+        )  # fmt: skip
     if n["front.diameter_m"] > 1.3 * n["rear.diameter_m"]:
         yield Finding(
             "front.diameter_m", f"= {n['front.diameter_m']:.3g} is above the rear's "
@@ -182,6 +205,13 @@ def _engine(machine: Machine, n: Derived) -> Iterator[Finding]:
         yield Finding(
             "engine.max_power_kw", f"= {n['engine.max_power_kw']:g} is below rated_power_kw = "
             f"{rated_kw:g}; no less than that would do",
+        )  # fmt: skip
+    if engine.kind == "diesel" and n["engine.max_power_kw"] > MOST_OVER_RATED * rated_kw:
+        path = "max_power_kw" if engine.max_power_kw is not None else "torque_points"
+        yield Finding(
+            f"engine.{path}", f"= {n['engine.max_power_kw']:.4g} kW is above {MOST_OVER_RATED:g} "
+            f"times rated_power_kw = {rated_kw:.4g}; {MOST_OVER_RATED * rated_kw:.4g} at most "
+            "would do",
         )  # fmt: skip
     for rpm, torque in engine.torque_points:
         if abs(rpm - rated_rpm) < 1.0 and _far(1e-3 * torque * rpm * RPM, rated_kw, 0.05):

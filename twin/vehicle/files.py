@@ -62,6 +62,14 @@ def implement(spec: str) -> Implement:
     return _found("implement", spec, "implements", Implement)
 
 
+def usual_implement(part: Machine) -> str | None:
+    """The implement that a machine's file names, as `implement` takes it; a file is beside it."""
+    name = part.implement
+    if name is None or not name.endswith(".toml") or Path(name).is_absolute():
+        return name
+    return str(Path(part.folder) / name)
+
+
 def kind_of(path: Path) -> type[Machine] | type[Implement]:
     """Whether a TOML file is a machine's or an implement's: whose fields it has more of.
 
