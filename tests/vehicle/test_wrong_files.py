@@ -1,12 +1,16 @@
 """A wrong file is refused in one line: the field, the value, what would do."""
 
+import dataclasses
+import types
+import typing
 from pathlib import Path
 
 import pytest
 
 from tests.vehicle.wrong_files import IMPLEMENT, MACHINE, cases, other
 from twin import cli
-from twin.vehicle import files
+from twin.vehicle import Implement, Machine, files
+from twin.vehicle.reading import FORMS
 
 CASES = cases()
 
@@ -82,3 +86,34 @@ def test_check_tells_what_does_not_go_together(text, paths, tmp_path, monkeypatc
     assert cli.main(["machine", "check", "farm/mine.toml"]) == bool(paths)
     out = capsys.readouterr().out
     assert [line.split(" ")[0] for line in out.splitlines()] == (paths or ["mine:"])
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "cp1252", "utf-16"])
+def test_a_file_is_utf8_with_or_without_its_mark(encoding, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text = MACHINE.replace("schema = 1", 'about = "Schlüter, grün"')
+    Path("mine.toml").write_bytes(text.encode(encoding))
+    status = cli.main(["machine", "check", "mine.toml"])
+    err = capsys.readouterr().err
+    assert status == (0 if "utf-8" in encoding else 2), err
+    if status:
+        assert err.startswith("twin: mine.toml is no UTF-8 text: byte 0x")
+        assert "in line 1; save it as UTF-8" in err
+
+
+def test_no_field_of_a_list_is_without_its_form():
+    for kind in (Machine, Implement):
+        for table, name, hint in lists(kind):
+            assert name in FORMS, (table, name, hint)
+
+
+def lists(kind):
+    """Fields whose value is a list of numbers, of a dataclass and of its tables."""
+    for name, hint in typing.get_type_hints(kind).items():
+        for each in typing.get_args(hint) if isinstance(hint, types.UnionType) else (hint,):
+            if dataclasses.is_dataclass(each):
+                yield from lists(each)
+            elif typing.get_origin(each) is tuple and not dataclasses.is_dataclass(
+                typing.get_args(each)[0]
+            ):
+                yield kind.__name__, name, each

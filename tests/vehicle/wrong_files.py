@@ -143,6 +143,33 @@ WRONG_MACHINES: dict[str, tuple[str, tuple[str, ...]]] = {
     "torque points far above rated power": (
         other(M, engine__torque_points="[[1400, 800], [2200, 321]]"),
         ("engine.torque_points", "117", "74", "99.9")),
+    "torque points that end before rated speed": (
+        other(M, engine__torque_points="[[321, 2200], [400, 1400]]"),
+        ("engine.torque_points", "400 rpm", "2200", "[rpm, N m]")),
+    "torque points below rated power": (
+        other(M, engine__torque_points="[[1400, 300], [2190, 300]]"),
+        ("engine.torque_points", "68.8", "74")),
+    "torque points that are exchanged": (
+        other(M, engine__torque_points="[[400, 1400], [321, 2200]]"),
+        ("engine.torque_points.1", "321", "[rpm, N m]")),
+    "torque points that are one": (
+        other(M, engine__torque_points="[1400, 400]"),
+        ("engine.torque_points.0", "1400", "; [rpm, N m] would do")),
+    "torque points that are a number": (
+        other(M, engine__torque_points="400"),
+        ("engine.torque_points", "400", "pairs [rpm, N m] would do")),
+    "one ratio of a range": (M + "[transmission]\ncvt_ratio = 30\n",
+                             ("transmission.cvt_ratio", "30", "[least, greatest] would do")),
+    "three ratios of a range": (M + "[transmission]\ncvt_ratio = [10, 20, 30]\n",
+                                ("transmission.cvt_ratio", "[least, greatest] would do")),
+    "one gear": (M + "[transmission]\nspeeds_kmh = 7\n",
+                 ("transmission.speeds_kmh", "7", "[speed of each gear] would do")),
+    "a place of two": (M + "[places]\nimu_m = [0.1, 0.2]\n",
+                       ("places.imu_m", "[x, y, z] would do")),
+    "letters exchanged": (M.replace("rated_rpm", "rated_rmp"),
+                          ("engine.rated_rmp", "did you mean rated_rpm?")),
+    "peak below idle": (other(M, engine__peak_rpm="700"),
+                        ("engine.peak_rpm = 700", "above engine.idle_rpm", "rising")),
     "idle above rated speed": (other(M, engine__idle_rpm="2300"), ("engine.idle_rpm", "2300")),
     "no-load below rated speed": (other(M, engine__no_load_rpm="2100"),
                                   ("engine.rated_rpm", "2200", "2100")),
@@ -187,7 +214,7 @@ WRONG_IMPLEMENTS: dict[str, tuple[str, tuple[str, ...]]] = {
     "mass in tonnes": (other(T, mass_kg="0.48"), ("mass_kg", "0.48", "5, 10000")),
     "depth in cm": (other(T, depth_m="[4, 14]"), ("depth_m", "4, 14", "0.01, 0.8")),
     "depths exchanged": (other(T, depth_m="[0.14, 0.04]"), ("depth_m", "rising")),
-    "one depth": (other(T, depth_m="0.1"), ("depth_m", "0.1", "list")),
+    "one depth": (other(T, depth_m="0.1"), ("depth_m", "0.1", "[least, greatest] would do")),
     "a kind that there is not": (other(T, kind='"harrow"'), ("kind", "harrow", "chisel")),
     "a hitch that there is not": (other(T, hitch='"ball"'), ("hitch", "ball", "three-point")),
     "negative draft": (T + "[draft]\na = -46\n", ("draft.a", "-46", "0, 5000")),

@@ -14,6 +14,8 @@ from twin.vehicle.tyre_code import tyre_size
 
 MOST_OVER_RATED = 1.35
 """Greatest over rated power of a diesel: engines with boost have 1.10 to 1.25."""
+REACHED = 0.8
+"""Share of rated speed that a full-load curve reaches at least."""
 LEAST_ON_TYRE_NPM3 = 4500.0
 """Wheel load over width and diameter squared of a rear tyre: wide tyres under light tractors have
 6500, those of heavy ones 8000 to 20000."""
@@ -201,16 +203,23 @@ def _engine(machine: Machine, n: Derived) -> Iterator[Finding]:
             "engine.pto_power_kw", f"= {engine.pto_power_kw:g} is above rated_power_kw = "
             f"{rated_kw:g}; what the take-off gives of it would do",
         )  # fmt: skip
-    if n["engine.max_power_kw"] < 0.999 * rated_kw:
+    points = engine.torque_points
+    if points and points[-1][0] < REACHED * rated_rpm:
         yield Finding(
-            "engine.max_power_kw", f"= {n['engine.max_power_kw']:g} is below rated_power_kw = "
-            f"{rated_kw:g}; no less than that would do",
+            "engine.torque_points", f"end at {points[-1][0]:g} rpm, but rated_rpm is {rated_rpm:g};"
+            " pairs [rpm, N m] up to that speed would do",
+        )  # fmt: skip
+    elif n["engine.max_power_kw"] < 0.999 * rated_kw:
+        yield Finding(
+            _written(machine, "max_power_kw", "torque_points"),
+            f"= {n['engine.max_power_kw']:g} is below rated_power_kw = {rated_kw:g}; "
+            "no less than that would do",
         )  # fmt: skip
     if engine.kind == "diesel" and n["engine.max_power_kw"] > MOST_OVER_RATED * rated_kw:
-        path = "max_power_kw" if engine.max_power_kw is not None else "torque_points"
         yield Finding(
-            f"engine.{path}", f"= {n['engine.max_power_kw']:.4g} kW is above {MOST_OVER_RATED:g} "
-            f"times rated_power_kw = {rated_kw:.4g}; {MOST_OVER_RATED * rated_kw:.4g} at most "
+            _written(machine, "max_power_kw", "torque_points"),
+            f"= {n['engine.max_power_kw']:.4g} kW is above {MOST_OVER_RATED:g} times "
+            f"rated_power_kw = {rated_kw:.4g}; {MOST_OVER_RATED * rated_kw:.4g} at most "
             "would do",
         )  # fmt: skip
     for rpm, torque in engine.torque_points:
@@ -222,10 +231,12 @@ def _engine(machine: Machine, n: Derived) -> Iterator[Finding]:
     order = ("idle_rpm", "peak_rpm", "rated_rpm", "no_load_rpm")
     for low, high in pairwise(order):
         if not n[f"engine.{low}"] < n[f"engine.{high}"]:
+            named = _written(machine, low, high)
+            other = f"engine.{high if named.endswith(low) else low}"
+            side = "below" if named.endswith(low) else "above"
             yield Finding(
-                f"engine.{low}", f"= {n[f'engine.{low}']:g} is not below engine.{high} = "
-                f"{n[f'engine.{high}']:g}; idle, peak, rated and no-load speed by rising speed "
-                "would do",
+                named, f"= {n[named]:g} is not {side} {other} = {n[other]:g}; idle, peak, rated "
+                "and no-load speed by rising speed would do",
             )  # fmt: skip
     usual = n["engine.usual_rpm"]
     if not 1.12 * n["engine.idle_rpm"] <= usual <= 1.0001 * n["engine.no_load_rpm"]:
@@ -253,6 +264,12 @@ def _engine(machine: Machine, n: Derived) -> Iterator[Finding]:
             "drive.clutch_nm", f"= {n['drive.clutch_nm']:g} is below the peak torque of "
             f"{n['engine.torque_rise'] * n['engine.rated_torque_nm']:.4g}; more would do",
         )  # fmt: skip
+
+
+def _written(machine: Machine, one: str, other: str) -> str:
+    """Path of the one of two engine's fields that the file has; the first where it has both."""
+    engine = machine.engine
+    return f"engine.{other if getattr(engine, one) is None and getattr(engine, other) else one}"
 
 
 def _gears(machine: Machine, n: Derived) -> Iterator[Finding]:
