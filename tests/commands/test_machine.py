@@ -64,3 +64,28 @@ def test_show_names_a_readme_only_where_there_is_one(own, capsys):
         assert cli.main(["machine", "show", name, "--json"]) == 0
         numbers = json.loads(capsys.readouterr().out)["numbers"]
         assert {"README.md" in n["source"] for n in numbers.values()} == {told}
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (["run", "plough-20cm", "--machine", "mine"], "did you mean the file mine.toml?"),
+        (["run", "plough-20cm", "--machine", "made"], "did you mean the file made.xml?"),
+        (["run", "plough-20cm", "--implement", "tool"], "did you mean the file tool.toml?"),
+        (["machine", "show", "mine"], "did you mean the file mine.toml?"),
+        (["rig", "drawbar", "--machine", "mine"], "did you mean the file mine.toml?"),
+        (["rig", "wheel", "--machine", "mine.toml"], "--tyre.machine NAME|FILE"),
+        (["study", "plough-20cm", "--course.length-m", "20"], "--sweep course.length_m=20 would"),
+        (["study", "plough-20cm", "--soil.friction=0.7"], "--sweep soil.friction=0.7 would"),
+        (["study", "plough-20cm", "--plough.bouncy", "1"], "Unrecognized"),
+        (["compare", "one"], "twin compare needs two folders, not 1: twin compare DIR DIR"),
+        (["compare"], "twin compare needs two folders: twin compare DIR DIR"),
+        (["compare", "a", "b", "c", "--out", "d"], "two folders, not 3: twin compare DIR DIR"),
+    ],
+)
+def test_a_near_miss_is_told_in_one_line(own, args, said, capsys):
+    Path("made.xml").write_text("<mujoco/>")
+    assert cli.main(args) == 2
+    err = capsys.readouterr().err
+    assert said in err, err
+    assert err.count("\n") == 1

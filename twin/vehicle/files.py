@@ -121,4 +121,7 @@ def _found(what: str, spec: str, folder: str, kind: type[T]) -> T:
         return kind(name=path.stem, mjcf=path.name, folder=str(path.parent.absolute()))
     if path.exists():
         raise BadInput(f"{what} = {spec} is no TOML file; one that ends in .toml would do")
+    for suffix in (".toml", ".xml") if kind is Machine else (".toml",):
+        if Path(spec + suffix).is_file():
+            raise BadInput(f"no {what} is called '{spec}'; did you mean the file {spec}{suffix}?")
     raise UnknownName(what, spec, shipped)
