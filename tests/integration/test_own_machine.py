@@ -93,6 +93,18 @@ def test_an_environment_takes_it(own, chosen):
     assert many.reset(seed=1)[0].shape == (2, *first.shape)
 
 
+@pytest.mark.parametrize(
+    ("chosen", "said"),
+    [({"implement": "cultivator_3m"},
+      r"^depth_m = 0\.25 is outside \[0\.03, 0\.15\], the depths of cultivator_3m$"),
+     ({"depth_m": 0.9}, r"^depth_m = 0\.9 is outside \[0\.\d+, 0\.\d+\]")],
+)  # fmt: skip
+def test_a_depth_that_does_not_do_is_refused_by_the_arguments_name(chosen, said):
+    for make in (gymnasium.make, gymnasium.make_vec):
+        with pytest.raises(twin.errors.OutOfRange, match=said):
+            make("twin.env:Plough-v0", **chosen)
+
+
 def test_a_machine_without_motors_on_its_wheels_is_refused_by_wheelslip():
     with pytest.raises(twin.errors.BadInput, match=r"engine\.wheel_torque_nm"):
         gymnasium.make("twin.env:WheelSlip-v0", machine="jd_4250")
