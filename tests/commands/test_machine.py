@@ -7,6 +7,8 @@ import pytest
 
 from tests.vehicle.wrong_files import IMPLEMENT, MACHINE, WRONG_IMPLEMENTS, other
 from twin import cli
+from twin.errors import BadInput
+from twin.io import run_folder
 
 HELPED = {"show": "NAME|FILE", "check": "FILE", "export": "NAME|FILE OUT.xml"}
 
@@ -89,3 +91,32 @@ def test_a_near_miss_is_told_in_one_line(own, args, said, capsys):
     err = capsys.readouterr().err
     assert said in err, err
     assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("args", "folder"),
+    [
+        ([], "plough-20cm-seed0"),
+        (["--machine", "mine.toml"], "plough-20cm-mine-seed0"),
+        (["--machine=farm/mine.toml", "--seed", "3"], "plough-20cm-mine-seed3"),
+        (["--machine", "jd_4250", "--implement", "tool.toml"], "plough-20cm-jd_4250-tool-seed0"),
+        (["--implement", "chisel_3m"], "plough-20cm-chisel_3m-seed0"),
+        (["--implement", "none", "--machine", "./mine.xml"], "plough-20cm-mine-none-seed0"),
+        (["--machine", "mine.toml", "--out", "here"], "here"),
+    ],
+)
+def test_the_folder_of_a_run_has_the_machine_and_implement_that_were_given(
+    own, args, folder, monkeypatch
+):
+    Path("farm").mkdir()
+    Path("farm/mine.toml").write_text(MACHINE)
+    assert cli.main(["machine", "export", "mine.toml", "mine.xml"]) == 0
+    asked = []
+
+    def refuse(directory):
+        asked.append(directory.name)
+        raise BadInput("far enough")
+
+    monkeypatch.setattr(run_folder, "refuse_foreign", refuse)
+    assert cli.main(["run", "plough-20cm", "--plough.depth-m", "0.12", *args]) == 2
+    assert asked == [folder]
