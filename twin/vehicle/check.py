@@ -21,6 +21,8 @@ LEAST_ON_TYRE_NPM3 = 4500.0
 6500, those of heavy ones 8000 to 20000."""
 LEAST_WHEELBASE = 1.25
 """Wheelbase over the diameter of the rear tyre; of tractors it is 1.4 to 2."""
+SHARES = (0.12, 0.70)
+"""Shares of the weight on the front axle that a tractor has."""
 SMALL_M = 0.8
 """Tyres below it are no tractor's; what is usual of those is not asked of them."""
 LEADS = (-0.005, 0.06)
@@ -84,7 +86,7 @@ def _masses(machine: Machine, n: Derived) -> Iterator[Finding]:
             "front_axle_kg", f"= {front:g} and rear_axle_kg = {rear:g} make {front + rear:g} kg, "
             f"but mass_kg and the ballast are {total:g} kg; axle loads that make it would do",
         )  # fmt: skip
-    elif not 0.12 <= n["front_share"] <= 0.70:
+    elif not SHARES[0] <= n["front_share"] <= SHARES[1]:
         yield Finding(
             "front_axle_kg", f"= {n['front_axle_kg']:.4g} is {n['front_share']:.0%} of "
             f"{total:g} kg; 12 to 70 % would do",
@@ -169,7 +171,8 @@ def _tyres(machine: Machine, n: Derived) -> Iterator[Finding]:
         )  # fmt: skip
     rear_m, load_n = n["rear.diameter_m"], n["rear.nominal_load_n"]
     size_m3 = n["rear.width_m"] * rear_m**2
-    if rear_m >= SMALL_M and load_n < LEAST_ON_TYRE_NPM3 * size_m3:
+    shared = SHARES[0] <= n["front_share"] <= SHARES[1]  # else the loads themselves are told
+    if shared and rear_m >= SMALL_M and load_n < LEAST_ON_TYRE_NPM3 * size_m3:
         yield Finding(
             "rear.tyre" if machine.rear.tyre else "rear.diameter_m",
             f"= {machine.rear.tyre or f'{rear_m:g}'}, {n['rear.width_m']:.3g} m wide and "
