@@ -15,6 +15,7 @@ class OutOfRange(TwinError, ValueError):
 
     def __init__(self, name: str, value: object, allowed: str) -> None:
         super().__init__(f"{name} = {value} is outside {allowed}")
+        self.name, self.value, self.allowed = name, value, allowed
 
 
 class UnknownName(TwinError, LookupError):

@@ -54,6 +54,25 @@ def test_rig_study_export_and_checks_take_it(own, capsys):
     assert '"rear.stiffness_npm"' in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("implement", [[], ["--implement", "none"], ["--implement", "tool.toml"]])
+def test_a_mjcf_with_an_implement_is_refused_in_one_line(own, implement, capsys):
+    export = ["machine", "export", "mine.toml", "full.xml", "--implement", "tool.toml"]
+    assert cli.main(export) == 0
+    for command in (
+        ["run", "plough-20cm", "--machine", "full.xml", *implement],
+        ["machine", "export", "full.xml", "again.xml", *implement],
+        ["machine", "check", "full.xml"],
+        ["machine", "show", "full.xml"],
+    ):
+        capsys.readouterr()
+        assert cli.main(command) == 2
+        err = capsys.readouterr().err
+        assert err.count("\n") == 1
+        assert "carries an implement already" in err
+        assert "without --implement" in err
+    assert {p.name for p in own.iterdir()} == {"mine.toml", "tool.toml", "full.xml"}
+
+
 @pytest.mark.parametrize(
     "chosen",
     [{"machine": "mine.toml", "implement": "tool.toml", "depth_m": 0.1},
@@ -72,6 +91,18 @@ def test_an_environment_takes_it(own, chosen):
         "twin.env:Plough-v0", num_envs=2, vectorization_mode="vector_entry_point", **chosen
     )
     assert many.reset(seed=1)[0].shape == (2, *first.shape)
+
+
+@pytest.mark.parametrize(
+    ("chosen", "said"),
+    [({"implement": "cultivator_3m"},
+      r"^depth_m = 0\.25 is outside \[0\.03, 0\.15\], the depths of cultivator_3m$"),
+     ({"depth_m": 0.9}, r"^depth_m = 0\.9 is outside \[0\.\d+, 0\.\d+\]")],
+)  # fmt: skip
+def test_a_depth_that_does_not_do_is_refused_by_the_arguments_name(chosen, said):
+    for make in (gymnasium.make, gymnasium.make_vec):
+        with pytest.raises(twin.errors.OutOfRange, match=said):
+            make("twin.env:Plough-v0", **chosen)
 
 
 def test_a_machine_without_motors_on_its_wheels_is_refused_by_wheelslip():

@@ -172,3 +172,13 @@ def test_an_implement_is_equal_to_what_its_file_says():
     assert isinstance(part, Implement)
     assert part.bodies == 11
     assert part.furrow is False
+
+
+@pytest.mark.parametrize(
+    ("peak_rpm", "most_kw"), [(1400.0, 74.0), (1800.0, 1.3 * 74.0 * 1800 / 2200)]
+)
+def test_peak_power_is_what_its_rule_says(peak_rpm, most_kw):
+    engine = replace(BASE.engine, peak_rpm=peak_rpm, torque_rise=1.3)
+    number = derive(replace(BASE, engine=engine)).numbers["engine.peak_power_kw"]
+    assert number.value == pytest.approx(most_kw)
+    assert number.source == "the greater of rated torque and peak torque, each times its speed"

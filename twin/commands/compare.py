@@ -6,6 +6,7 @@ import json
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,6 +16,7 @@ from twin.commands.output import check_files
 from twin.commands.parse import parse
 from twin.commands.tables import Column, print_table
 from twin.commands.terminal import say
+from twin.errors import BadInput
 from twin.io.atomic import made
 
 if TYPE_CHECKING:
@@ -42,6 +44,7 @@ class Compare:
 
 def main(args: Sequence[str]) -> int:
     """Compare, write the page, print the table."""
+    _check_folders(args)
     options = parse(Compare, args, prog="twin compare")
     check_files(out=options.out)
     from twin.pipeline.compared import compared
@@ -54,6 +57,15 @@ def main(args: Sequence[str]) -> int:
     elif not options.quiet:
         _say(found, path)
     return 0
+
+
+def _check_folders(args: Sequence[str]) -> None:
+    """Refuse another number of folders than two, unless help is asked for."""
+    words = [a for before, a in pairwise(("", *args)) if before != "--out"]
+    folders = [a for a in words if not a.startswith("-")]
+    if len(folders) != 2 and not {"-h", "--help"} & set(args):
+        given = f", not {len(folders)}" if folders else ""
+        raise BadInput(f"twin compare needs two folders{given}: twin compare DIR DIR")
 
 
 def _default(found: Compared) -> Path:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from twin.commands.tables import Column, print_table
 from twin.commands.terminal import say
 from twin.errors import BadInput, TwinError, UnknownName
 from twin.vehicle import Implement, Machine, files
-from twin.vehicle.check import findings
+from twin.vehicle.check import Finding, findings
 from twin.vehicle.derive import derive
 from twin.vehicle.files import mjcf_path
 from twin.vehicle.implement import NONE
@@ -21,7 +21,8 @@ from twin.vehicle.numerics import implement_numbers, machine_facts
 from twin.vehicle.reading import read
 from twin.vehicle.source import Graded
 
-ACTIONS = ("show", "check", "export")
+ACTIONS = {"show": "NAME|FILE", "check": "FILE", "export": "NAME|FILE OUT.xml"}
+"""What is done -> the arguments that come first."""
 INCONSISTENT = 1
 
 
@@ -59,16 +60,16 @@ def main(args: Sequence[str]) -> int:
     action, rest = args[0], list(args[1:])
     if action not in ACTIONS:
         raise UnknownName("action of twin machine", action, ACTIONS)
-    wanted = 2 if action == "export" else 1
-    if any(a in ("-h", "--help") for a in rest):
-        wanted = 0
+    prog = f"twin machine {action} {ACTIONS[action]}"
+    if {"-h", "--help"} & set(rest):
+        parse({"show": Show, "check": Check, "export": Export}[action], ["--help"], prog=prog)
+    wanted = len(ACTIONS[action].split())
     names, options = rest[:wanted], rest[wanted:]
-    if len(names) < wanted or any(name.startswith("--") for name in names):
+    if len(names) < wanted or any(name.startswith("-") for name in names):
         what = "a name or a file" + (", and a file to write" if action == "export" else "")
         raise BadInput(f"twin machine {action} needs {what} first")
-    prog = f"twin machine {action}"
     if action == "show":
-        return _show(names[0] if names else "", parse(Show, options, prog=prog))
+        return _show(names[0], parse(Show, options, prog=prog))
     if action == "check":
         parse(Check, options, prog=prog)
         return _check(names[0])
@@ -79,15 +80,9 @@ def _found(spec: str) -> Machine | Implement:
     """A machine, or an implement: by name, or by what is in the file."""
     if spec in files.implement_names():
         return files.implement(spec)
-    try:
-        return files.machine(spec)
-    except TwinError as error:
-        if spec.endswith(".toml") and Path(spec).is_file():
-            try:
-                return files.implement(spec)
-            except TwinError:
-                raise error from None
-        raise
+    if spec.endswith(".toml") and files.kind_of(Path(spec)) is Implement:
+        return files.implement(spec)
+    return files.machine(spec)
 
 
 def _numbers(part: Machine | Implement) -> dict[str, Graded]:
@@ -95,14 +90,31 @@ def _numbers(part: Machine | Implement) -> dict[str, Graded]:
     if isinstance(part, Machine):
         if part.mjcf is None:
             return dict(derive(part).numbers)
-        said = f"numeric of {part.mjcf}; README.md beside it has grade and source"
-        return {n: Graded(v, "given", said) for n, v in machine_facts(part).numbers.items()}
+        return {
+            n: Graded(v, "given", _by_hand(part)) for n, v in machine_facts(part).numbers.items()
+        }
     if part.kind == NONE:
         return {}
     if part.mjcf is None:
         return dict(derive_implement(part).numbers)
-    said = f"numeric of {part.mjcf}; README.md beside it has grade and source"
-    return {n: Graded(v, "given", said) for n, v in implement_numbers(part).items()}
+    return {n: Graded(v, "given", _by_hand(part)) for n, v in implement_numbers(part).items()}
+
+
+def _by_hand(part: Machine | Implement) -> str:
+    """Where the numbers of a MJCF stand, and their sources where somebody wrote them down."""
+    path = mjcf_path(part)
+    told = path is not None and (path.parent / "README.md").is_file() and not part.folder
+    return f"numeric of {part.mjcf}" + "; README.md beside it has grade and source" * told
+
+
+def _notes(part: Machine | Implement) -> list[str]:
+    """What a reader of the numbers would else miss."""
+    if isinstance(part, Machine) and part.drive.driven == "all":
+        return [
+            "drive.driven = all says that the front axle can be engaged; a run drives the rear "
+            "axle alone unless --drive.all-wheel-drive engages the front"
+        ]
+    return []
 
 
 def _show(spec: str, options: Show) -> int:
@@ -113,8 +125,8 @@ def _show(spec: str, options: Show) -> int:
             path: {"value": n.value, "grade": n.grade, "source": n.source}
             for path, n in numbers.items()
         }
-        print(json.dumps({"schema": 1, "name": part.name, "about": part.about, "numbers": rows},
-                         indent=2))  # fmt: skip
+        print(json.dumps({"schema": 1, "name": part.name, "about": part.about, "numbers": rows,
+                          "notes": _notes(part)}, indent=2))  # fmt: skip
         return 0
     say(f"{part.name}: {part.about}", style="bold")
     values = [f"{n.value:.6g}" for n in numbers.values()]
@@ -125,32 +137,37 @@ def _show(spec: str, options: Show) -> int:
         Column(heading="source or rule", cells=[n.source or "-" for n in numbers.values()], rank=1,
                text=True),
     ])  # fmt: skip
+    for note in _notes(part):
+        say(f"note: {note}", style="dim")
     return 0
 
 
 def _check(spec: str) -> int:
     """Print every inconsistency in a line of its own."""
-    if spec in (*files.machine_names(), *files.implement_names()) or not spec.endswith(".toml"):
-        part = _found(spec)
+    if spec.endswith(".toml") and files.kind_of(Path(spec)) is Machine:
+        part: Machine | Implement = read(Machine, Path(spec))  # however inconsistent
     else:
-        path = Path(spec)
-        try:
-            part = read(Machine, path)
-        except TwinError as error:
-            try:
-                part = files.implement(spec)
-            except TwinError:
-                raise error from None
+        part = _found(spec)
     if isinstance(part, Implement):
         say(f"{part.name}: nothing is inconsistent")
         return 0
-    mjcf_path(part)
-    found = findings(part)
+    machine_facts(part)  # refuses a MJCF that would not drive
+    found = [*_of_implement(part), *findings(part)]
     for finding in found:
         print(finding if finding.fatal else f"{finding} (odd, but can be driven)")
     if not found:
         say(f"{part.name}: nothing is inconsistent")
     return INCONSISTENT if found else 0
+
+
+def _of_implement(part: Machine) -> Iterator[Finding]:
+    """The implement that the file names and that cannot be had."""
+    name = files.usual_implement(part)
+    try:
+        if name is not None:
+            files.implement(name)
+    except TwinError as error:
+        yield Finding("implement", f"= {part.implement}: {error}")
 
 
 def _export(spec: str, out: Path, options: Export) -> int:

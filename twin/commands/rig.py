@@ -130,6 +130,11 @@ def main(args: Sequence[str]) -> int:
     if args[0] not in RIGS:
         raise UnknownName("rig", args[0], RIGS)
     kind, run = RIGS[args[0]]
+    if kind is Wheel and {"machine", "implement"} & named_fields(args[1:]):
+        raise BadInput(
+            "twin rig wheel tests one wheel and takes no machine; --tyre.machine NAME|FILE, which "
+            "gives it the tyre of a machine, would do"
+        )
     options = parse(kind, args[1:], prog=f"twin rig {args[0]}")
     check_folder("out", options.out)
     check_folder("figures", options.figures)

@@ -32,7 +32,8 @@ class Options:
     """Simulate a scenario, run the estimators on its streams and score them against the truth."""
 
     out: Path | None = None
-    """Folder for the results; by default runs/<name>-seed<N>."""
+    """Folder for the results; by default runs/<name>-seed<N>, with the machine and the implement
+    between where they are given."""
     estimators: str = DEFAULT_ESTIMATORS
     """Estimators, separated by commas: names, or module:Name of your own."""
     figures: Path | None = None
@@ -77,7 +78,7 @@ def execute(
     from twin.io import run_folder
     from twin.pipeline.unread import refuse_unread
 
-    directory = options.out or run_folder.default_directory(scenario.name, scenario.seed)
+    directory = options.out or run_folder.default_directory(_called(scenario, named), scenario.seed)
     run_folder.refuse_foreign(directory)  # before the work, not after it
     scenario = _masked(scenario, options.mask)
     refuse_unread(scenario, named)
@@ -94,6 +95,13 @@ def execute(
             result.figures(options.figures)
     _say(result, directory, options)
     return result, directory
+
+
+def _called(scenario: Thing, named: Collection[str]) -> str:
+    """Its name, with the machine and the implement that the user gave it."""
+    given = [str(getattr(scenario, name)) for name in ("machine", "implement") if name in named]
+    files = (".toml", ".xml")
+    return "-".join([scenario.name, *(Path(g).stem if g.endswith(files) else g for g in given)])
 
 
 def status(result: Result) -> int:

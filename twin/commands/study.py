@@ -92,6 +92,7 @@ class Study(Output):
 def main(args: Sequence[str]) -> int:
     """Do the missing runs of a study, then write its table, summary and figures."""
     names, rest = _split(args)
+    _refuse_fields(names[0], rest)
     options = parse(Study, rest, prog="twin study SCENARIOS")
     for text in options.backend_option:
         if "=" not in text.strip("="):
@@ -145,6 +146,24 @@ def main(args: Sequence[str]) -> int:
         return INTERRUPTED
     _finish(done, options)
     return 0
+
+
+def _refuse_fields(name: str, args: Sequence[str]) -> None:
+    """Refuse a field of the scenario that is given as `twin run` takes it: here it is swept."""
+    own = {field.name for field in dataclasses.fields(Study)}
+    for i, arg in enumerate(args):
+        option, equals, said = arg.partition("=")
+        path = option.removeprefix("--").replace("-", "_")
+        if not option.startswith("--") or path in own or path == "help":
+            continue
+        from twin.scenario import fields  # heavy, and only for what is refused
+
+        if path in {path for path, _ in fields.leaves(registry.load("scenario", name))}:
+            after = args[i + 1] if i + 1 < len(args) and not args[i + 1].startswith("--") else "V"
+            raise BadInput(
+                f"{option} is no option of twin study; --sweep {path}={said if equals else after} "
+                "would do"
+            )
 
 
 def read_sweeps(given: Sequence[str], scenario: Thing) -> dict[str, tuple[Any, ...]]:

@@ -10,6 +10,7 @@ from twin.env.episodes import Episodes, asked
 from twin.env.fleet import Fleet
 from twin.env.grounds import PLOUGHED, ground_shapes
 from twin.env.quantities import Ids
+from twin.errors import OutOfRange
 from twin.machine.fuel import rated
 from twin.scenario import Course, Plough, Scenario
 from twin.simulation.build import build
@@ -41,14 +42,7 @@ class Ploughing(Episodes):
     ) -> None:
         wanted = asked(observation, estimator, slip_target)
         self.depth_m, self.slip_target = float(depth_m), float(slip_target)
-        scenario = Scenario(
-            name="Plough-v0",
-            plough=Plough(depth_m=self.depth_m),
-            course=Course(approach_m=1.0),  # the last furrow is there from the start
-            machine=machine,
-            implement=implement,
-        )
-        built = build(scenario)
+        built = build(_scenario(self.depth_m, machine, implement))
         numbers = built.numbers
         self.width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
         self.engine = records(rated(numbers), 1)
@@ -67,3 +61,19 @@ class Ploughing(Episodes):
             ids, self.width_m, self.depth_m, self.slip_target, self.engine, self.actions,
             self.fleet.lift_rad, self.values,
         )  # fmt: skip
+
+
+def _scenario(depth_m: float, machine: str, implement: str | None) -> Scenario:
+    """What is ploughed. Raises OutOfRange by the argument's name for a depth that does not do."""
+    try:
+        return Scenario(
+            name="Plough-v0",
+            plough=Plough(depth_m=depth_m),
+            course=Course(approach_m=1.0),  # the last furrow is there from the start
+            machine=machine,
+            implement=implement,
+        )
+    except OutOfRange as error:
+        if error.name != "plough.depth_m":
+            raise
+        raise OutOfRange("depth_m", error.value, error.allowed) from None

@@ -10,10 +10,8 @@ from twin.machine.mjcf import machine_spec
 from twin.vehicle.files import mjcf_path
 from twin.vehicle.implement import Implement
 from twin.vehicle.machine import Machine
-from twin.vehicle.numerics import implement_numbers
+from twin.vehicle.numerics import PREFIX, implement_numbers, machine_facts
 
-PREFIX = "plough."
-"""What the names of an implement begin with on a machine."""
 TOP_LINK_NPM, TOP_LINK_NSPM = 20e6, 200e3
 """A steel tube with the give of its pins and mounts, before an implement of 1470 kg; as stiff in
 proportion before a lighter one, which a step resolves."""
@@ -26,8 +24,9 @@ def joined(
     """mujoco.MjSpec of a machine with its implement, on no ground; and its numerics by name.
 
     Raises:
-        BadInput: a MJCF cannot be read, or has no place for an implement.
+        BadInput: a MJCF cannot be read, has no place for an implement, or carries one already.
     """
+    machine_facts(machine)  # refuses a MJCF that would not drive
     spec = _read(machine) or machine_spec(machine)
     numbers = {n.name: float(n.data[0]) for n in spec.numerics}
     if part is not None:

@@ -9,7 +9,6 @@ import dataclasses
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 from twin.errors import BadInput, OutOfRange, UnknownName
 from twin.scenario.course import Course, Drive
@@ -134,10 +133,7 @@ class Scenario:
             return None
         kept, name = self.implement_numbers, self.implement
         if name is None:
-            name = self.machine_file.implement or _usual_implement(self.facts)
-            folder = Path(self.machine_file.folder)
-            if name.endswith(".toml") and not Path(name).is_absolute():
-                name = str(folder / name)  # beside the machine's file
+            name = files.usual_implement(self.machine_file) or _usual_implement(self.facts)
         if kept is not None and kept.name == name:
             return kept
         return files.implement(name)

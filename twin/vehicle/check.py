@@ -12,6 +12,19 @@ from twin.vehicle.derive import RPM, Derived, derive
 from twin.vehicle.machine import Machine
 from twin.vehicle.tyre_code import tyre_size
 
+MOST_OVER_RATED = 1.35
+"""Greatest over rated power of a diesel: engines with boost have 1.10 to 1.25."""
+REACHED = 0.8
+"""Share of rated speed that a full-load curve reaches at least."""
+LEAST_ON_TYRE_NPM3 = 4500.0
+"""Wheel load over width and diameter squared of a rear tyre: wide tyres under light tractors have
+6500, those of heavy ones 8000 to 20000."""
+LEAST_WHEELBASE = 1.25
+"""Wheelbase over the diameter of the rear tyre; of tractors it is 1.4 to 2."""
+SHARES = (0.12, 0.70)
+"""Shares of the weight on the front axle that a tractor has."""
+SMALL_M = 0.8
+"""Tyres below it are no tractor's; what is usual of those is not asked of them."""
 LEADS = (-0.005, 0.06)
 """Leads of a front axle that are usual; 1 to 5 % are designed for."""
 
@@ -73,7 +86,7 @@ def _masses(machine: Machine, n: Derived) -> Iterator[Finding]:
             "front_axle_kg", f"= {front:g} and rear_axle_kg = {rear:g} make {front + rear:g} kg, "
             f"but mass_kg and the ballast are {total:g} kg; axle loads that make it would do",
         )  # fmt: skip
-    elif not 0.12 <= n["front_share"] <= 0.70:
+    elif not SHARES[0] <= n["front_share"] <= SHARES[1]:
         yield Finding(
             "front_axle_kg", f"= {n['front_axle_kg']:.4g} is {n['front_share']:.0%} of "
             f"{total:g} kg; 12 to 70 % would do",
@@ -156,6 +169,21 @@ def _tyres(machine: Machine, n: Derived) -> Iterator[Finding]:
             "rear_axle_height_m", f"= {height:g}, but the tyre carries the axle at "
             f"{n['rear.height_m']:.3g} m; a tyre or a height that agree would do",
         )  # fmt: skip
+    rear_m, load_n = n["rear.diameter_m"], n["rear.nominal_load_n"]
+    size_m3 = n["rear.width_m"] * rear_m**2
+    shared = SHARES[0] <= n["front_share"] <= SHARES[1]  # else the loads themselves are told
+    if shared and rear_m >= SMALL_M and load_n < LEAST_ON_TYRE_NPM3 * size_m3:
+        yield Finding(
+            "rear.tyre" if machine.rear.tyre else "rear.diameter_m",
+            f"= {machine.rear.tyre or f'{rear_m:g}'}, {n['rear.width_m']:.3g} m wide and "
+            f"{rear_m:.3g} m high, carries {load_n / 9.81:.4g} kg alone; above "
+            f"{LEAST_ON_TYRE_NPM3 * size_m3 / 9.81:.4g} kg is usual", fatal=False,
+        )  # fmt: skip
+    if n["wheelbase_m"] < LEAST_WHEELBASE * rear_m:
+        yield Finding(
+            "wheelbase_m", f"= {n['wheelbase_m']:g} with rear tyres {rear_m:.3g} m high; above "
+            f"{LEAST_WHEELBASE * rear_m:.3g} is usual", fatal=False,
+        )  # fmt: skip
     if n["front.diameter_m"] > 1.3 * n["rear.diameter_m"]:
         yield Finding(
             "front.diameter_m", f"= {n['front.diameter_m']:.3g} is above the rear's "
@@ -178,10 +206,24 @@ def _engine(machine: Machine, n: Derived) -> Iterator[Finding]:
             "engine.pto_power_kw", f"= {engine.pto_power_kw:g} is above rated_power_kw = "
             f"{rated_kw:g}; what the take-off gives of it would do",
         )  # fmt: skip
-    if n["engine.max_power_kw"] < 0.999 * rated_kw:
+    points = engine.torque_points
+    if points and points[-1][0] < REACHED * rated_rpm:
         yield Finding(
-            "engine.max_power_kw", f"= {n['engine.max_power_kw']:g} is below rated_power_kw = "
-            f"{rated_kw:g}; no less than that would do",
+            "engine.torque_points", f"end at {points[-1][0]:g} rpm, but rated_rpm is {rated_rpm:g};"
+            " pairs [rpm, N m] up to that speed would do",
+        )  # fmt: skip
+    elif n["engine.max_power_kw"] < 0.999 * rated_kw:
+        yield Finding(
+            _written(machine, "max_power_kw", "torque_points"),
+            f"= {n['engine.max_power_kw']:g} is below rated_power_kw = {rated_kw:g}; "
+            "no less than that would do",
+        )  # fmt: skip
+    if engine.kind == "diesel" and n["engine.max_power_kw"] > MOST_OVER_RATED * rated_kw:
+        yield Finding(
+            _written(machine, "max_power_kw", "torque_points"),
+            f"= {n['engine.max_power_kw']:.4g} kW is above {MOST_OVER_RATED:g} times "
+            f"rated_power_kw = {rated_kw:.4g}; {MOST_OVER_RATED * rated_kw:.4g} at most "
+            "would do",
         )  # fmt: skip
     for rpm, torque in engine.torque_points:
         if abs(rpm - rated_rpm) < 1.0 and _far(1e-3 * torque * rpm * RPM, rated_kw, 0.05):
@@ -192,10 +234,12 @@ def _engine(machine: Machine, n: Derived) -> Iterator[Finding]:
     order = ("idle_rpm", "peak_rpm", "rated_rpm", "no_load_rpm")
     for low, high in pairwise(order):
         if not n[f"engine.{low}"] < n[f"engine.{high}"]:
+            named = _written(machine, low, high)
+            other = f"engine.{high if named.endswith(low) else low}"
+            side = "below" if named.endswith(low) else "above"
             yield Finding(
-                f"engine.{low}", f"= {n[f'engine.{low}']:g} is not below engine.{high} = "
-                f"{n[f'engine.{high}']:g}; idle, peak, rated and no-load speed by rising speed "
-                "would do",
+                named, f"= {n[named]:g} is not {side} {other} = {n[other]:g}; idle, peak, rated "
+                "and no-load speed by rising speed would do",
             )  # fmt: skip
     usual = n["engine.usual_rpm"]
     if not 1.12 * n["engine.idle_rpm"] <= usual <= 1.0001 * n["engine.no_load_rpm"]:
@@ -223,6 +267,12 @@ def _engine(machine: Machine, n: Derived) -> Iterator[Finding]:
             "drive.clutch_nm", f"= {n['drive.clutch_nm']:g} is below the peak torque of "
             f"{n['engine.torque_rise'] * n['engine.rated_torque_nm']:.4g}; more would do",
         )  # fmt: skip
+
+
+def _written(machine: Machine, one: str, other: str) -> str:
+    """Path of the one of two engine's fields that the file has; the first where it has both."""
+    engine = machine.engine
+    return f"engine.{other if getattr(engine, one) is None and getattr(engine, other) else one}"
 
 
 def _gears(machine: Machine, n: Derived) -> Iterator[Finding]:

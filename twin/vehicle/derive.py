@@ -229,7 +229,8 @@ def _engine(sheet: Sheet, machine: Machine) -> None:
     points_w = max((rpm * RPM * t for rpm, t in engine.torque_points), default=0.0)
     most_kw = 1e-3 * max(points_w, 0.0) if points_w else power_kw
     take("engine.max_power_kw", most_kw, "derived", "the rated power, or the torque points")
-    sheet.write("engine.peak_power_kw", 1e-3 * peak_w, "derived", "peak torque times its speed")
+    sheet.write("engine.peak_power_kw", 1e-3 * peak_w, "derived",
+                "the greater of rated torque and peak torque, each times its speed")  # fmt: skip
     no_load = rated_rpm * (1.0 + (0.09 if engine.droop is None else engine.droop))
     no_load = take(
         "engine.no_load_rpm", no_load, "assumed" if engine.droop is None else "derived",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path
 from typing import TypeVar
@@ -12,7 +12,7 @@ from twin.io.plain import Plain
 from twin.vehicle.check import refuse_inconsistent
 from twin.vehicle.implement import NONE, Implement
 from twin.vehicle.machine import Machine
-from twin.vehicle.reading import read
+from twin.vehicle.reading import read, table_of
 
 T = TypeVar("T", Machine, Implement)
 USUAL = "taishan_1404a"
@@ -62,6 +62,25 @@ def implement(spec: str) -> Implement:
     return _found("implement", spec, "implements", Implement)
 
 
+def usual_implement(part: Machine) -> str | None:
+    """The implement that a machine's file names, as `implement` takes it; a file is beside it."""
+    name = part.implement
+    if name is None or not name.endswith(".toml") or Path(name).is_absolute():
+        return name
+    return str(Path(part.folder) / name)
+
+
+def kind_of(path: Path) -> type[Machine] | type[Implement]:
+    """Whether a TOML file is a machine's or an implement's: whose fields it has more of.
+
+    With as many of both it is an implement's where it has the width that an implement needs.
+    """
+    given = set(table_of(path))
+    machines, implements = ({f.name for f in fields(k)} for k in (Machine, Implement))
+    own = len(given & (machines - implements)) - len(given & (implements - machines))
+    return Machine if own > 0 or (own == 0 and "width_m" not in given) else Implement
+
+
 def mjcf_path(part: Machine | Implement) -> Path | None:
     """Path of its hand-made MJCF; None where it is made. Raises BadInput where it is missing."""
     if part.mjcf is None:
@@ -102,4 +121,7 @@ def _found(what: str, spec: str, folder: str, kind: type[T]) -> T:
         return kind(name=path.stem, mjcf=path.name, folder=str(path.parent.absolute()))
     if path.exists():
         raise BadInput(f"{what} = {spec} is no TOML file; one that ends in .toml would do")
+    for suffix in (".toml", ".xml") if kind is Machine else (".toml",):
+        if Path(spec + suffix).is_file():
+            raise BadInput(f"no {what} is called '{spec}'; did you mean the file {spec}{suffix}?")
     raise UnknownName(what, spec, shipped)

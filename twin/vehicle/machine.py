@@ -305,7 +305,7 @@ def _check_curve(engine: Engine) -> None:
         if i and rpm <= points[i - 1][0]:
             raise BadInput(
                 f"engine.torque_points.{i} = {rpm:g} rpm does not rise from {points[i - 1][0]:g}; "
-                "points by rising speed would do"
+                "pairs [rpm, N m] by rising speed would do"
             )
         if not 0.0 < torque < 20000.0:
             raise OutOfRange(f"engine.torque_points.{i}: torque", f"{torque:g}", "(0, 20000) N m")

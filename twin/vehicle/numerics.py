@@ -17,6 +17,8 @@ from twin.vehicle.implement_derive import derive_implement
 from twin.vehicle.kinds import KINDS
 from twin.vehicle.machine import Machine
 
+PREFIX = "plough."
+"""What the names of an implement begin with on a machine."""
 TYRE = {
     "deflection_ratio": "deflection_ratio",
     "free_rolling_radius_m": "free_rolling_radius_m",
@@ -76,7 +78,11 @@ class Facts:
 
 
 def machine_facts(machine: Machine) -> Facts:
-    """What a scenario has to know. Raises BadInput where a hand-made MJCF lacks a numeric."""
+    """What a scenario has to know.
+
+    Raises:
+        BadInput: a hand-made MJCF lacks a numeric, or carries an implement already.
+    """
     path = mjcf_path(machine)
     stamp = 0 if path is None else path.stat().st_mtime_ns
     return _facts(machine, path, stamp)
@@ -89,6 +95,12 @@ def _facts(machine: Machine, path: Path | None, stamp: int) -> Facts:
     else:
         numbers, bodies = _of_mjcf(path)
         linkage = "lower_links" in bodies
+        carried = sorted(n for n in (*bodies, *numbers) if n.startswith(PREFIX))
+        if carried:
+            raise BadInput(
+                f"{path} carries an implement already ({carried[0]}); a MJCF of the machine alone, "
+                "as twin machine export writes without --implement, would do"
+            )
         for name in NEEDED:
             if name not in numbers:
                 raise BadInput(f"{path} has no <numeric name='{name}'>; see models/taishan_1404a")

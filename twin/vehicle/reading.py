@@ -23,6 +23,16 @@ T = TypeVar("T")
 GRADED = frozenset({"value", "grade", "source"})
 KEPT = frozenset({"sources", "folder"})
 """Fields that a file does not have: they are kept of it."""
+FORMS = {
+    "cvt_ratio": "[least, greatest]",
+    "depth_m": "[least, greatest]",
+    "torque_points": "pairs [rpm, N m]",
+    "ratios": "[ratio of each gear]",
+    "speeds_kmh": "[speed of each gear]",
+    "lower_pivot_m": "[x, z]",
+    "top_pivot_m": "[x, z]",
+} | dict.fromkeys(("gnss_main_m", "gnss_aux_m", "imu_m", "camera_m"), "[x, y, z]")
+"""Field -> what its list holds."""
 WORDS = {float: "a number", int: "a whole number", str: "text", bool: "true or false"}
 
 
@@ -33,16 +43,27 @@ def read(kind: type[T], path: Path) -> T:
         BadInput: it cannot be read, a field is unknown or of another kind, or the dataclass refuses
             a value; one line with the file, the field, the value and what would do.
     """
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise BadInput(f"{path} is missing; a TOML file would do") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise BadInput(f"{path} is no TOML file: {line(error)}") from None
+    table = table_of(path)
     try:
         return from_table(kind, table, folder=str(path.parent.absolute()))
     except TwinError as error:
         raise BadInput(f"{path}: {error}") from None
+
+
+def table_of(path: Path) -> dict[str, Plain]:
+    """The table of a TOML file. Raises BadInput where it cannot be read."""
+    try:
+        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))  # with or without its mark
+    except FileNotFoundError:
+        raise BadInput(f"{path} is missing; a TOML file would do") from None
+    except UnicodeDecodeError as error:
+        row = 1 + error.object[: error.start].count(b"\n")
+        raise BadInput(
+            f"{path} is no UTF-8 text: byte 0x{error.object[error.start]:02x} in line {row}; save "
+            "it as UTF-8"
+        ) from None
+    except (OSError, tomllib.TOMLDecodeError) as error:
+        raise BadInput(f"{path} is no TOML file: {line(error)}") from None
 
 
 def from_table(kind: type[T], table: Mapping[str, Plain], *, folder: str) -> T:
@@ -107,12 +128,13 @@ def _check(wanted: Plain, value: Plain, path: str) -> None:
     if _origin(wanted) is tuple:
         inner = typing.get_args(wanted)
         if not isinstance(value, list):
-            raise BadInput(f"{path} = {_said(value)} is no list of values")
+            raise BadInput(f"{path} = {_said(value)} is no list of values; {_form(path)} would do")
         if len(inner) == 2 and inner[1] is Ellipsis:
             inner = (inner[0],) * len(value)
         if len(value) != len(inner):
             raise BadInput(
-                f"{path} = {_said(value)} has {len(value)} values; {len(inner)} would do"
+                f"{path} = {_said(value)} has {len(value)} values; {len(inner)} as "
+                f"{_form(path)} would do"
             )
         for i, (kind, each) in enumerate(zip(inner, value, strict=True)):
             _check(kind, each, f"{path}.{i}")
@@ -124,6 +146,15 @@ def _check(wanted: Plain, value: Plain, path: str) -> None:
         raise BadInput(f"{path} = {_said(value)} is not {WORDS[wanted]}")
     if wanted is float and not math.isfinite(value):
         raise BadInput(f"{path} = {value} is not finite; a number would do")
+
+
+def _form(path: str) -> str:
+    """What a list at a path holds, in words."""
+    parts = path.split(".")
+    each = parts[-1].isdigit()
+    name = parts[-2] if each else parts[-1]
+    said = FORMS.get(name, "a list")
+    return said.removeprefix("pairs ") if each else said
 
 
 def _origin(hint: Plain) -> Plain:
@@ -144,5 +175,7 @@ def _near(key: str, names: list[str]) -> str:
     """What the field is probably called: the same quantity in its own unit, or similar letters."""
     stem = key.rpartition("_")[0] or key
     same = [n for n in names if n == stem or n.startswith((stem + "_", key + "_"))]
-    near = same or difflib.get_close_matches(key, names, n=1)
+    near = difflib.get_close_matches(key, same, n=1, cutoff=0.0) or (
+        difflib.get_close_matches(key, names, n=1)
+    )  # fmt: skip
     return f"did you mean {near[0]}?" if near else f"there are: {', '.join(names)}"
