@@ -10,8 +10,9 @@ import numpy as np
 
 from twin.errors import BadInput
 from twin.logs.cells import Text, labels, numbers
+from twin.logs.column_map import BEARINGS
 from twin.logs.mapping.guessed import Guess, Seen
-from twin.logs.mapping.names import quantity_of, unit_of
+from twin.logs.mapping.names import OWN_NAMES, quantity_of, unit_of
 from twin.logs.mapping.physics import by_physics
 from twin.logs.mapping.times import time_of
 from twin.logs.quantities import QUANTITIES
@@ -109,7 +110,11 @@ def _by_name(seen: list[Seen]) -> list[Guess]:
         if not quantity or quantity in chosen or not np.isfinite(each.values).any():
             continue
         section, _, key = quantity.partition(".")
-        allowed = tuple(UNITS[QUANTITIES[section][key].dimension])
+        units = UNITS[QUANTITIES[section][key].dimension]
+        if each.name in OWN_NAMES:
+            chosen[quantity] = _of_a_stream(each.name, section, key, units)
+            continue
+        allowed = tuple(units)
         told = unit_of(each.name, allowed)
         unit = told or _usual_unit(section, key, each, allowed)
         large = np.nanmax(np.abs(each.values)) > 2.1 * math.pi
@@ -117,9 +122,18 @@ def _by_name(seen: list[Seen]) -> list[Guess]:
         why = "by its name" if told or plain else "by its name; the unit is not said"
         chosen[quantity] = Guess(
             signal=each.name, section=section, key=key, unit=unit, why=why,
-            sure=bool(told) or plain,
+            sure=bool(told) or plain, unit_told=bool(told),
         )  # fmt: skip
     return _consistent(chosen)
+
+
+def _of_a_stream(name: str, section: str, key: str, units: Mapping[str, float]) -> Guess:
+    """What the name of a stream's column says: SI, angles from east."""
+    return Guess(
+        signal=name, section=section, key=key, sure=True, unit_told=True, own=True,
+        unit=next(unit for unit, factor in units.items() if factor == 1.0),
+        why="by its name, that of a stream's column", convention="east" if key in BEARINGS else "",
+    )  # fmt: skip
 
 
 def _usual_unit(section: str, key: str, seen: Seen, allowed: tuple[str, ...]) -> str:
