@@ -1,11 +1,15 @@
 """What does not agree is said: units, signs, columns, values that are no new measurements."""
 
+import re
+
 import numpy as np
 import pytest
 from made_drive import MAP, SLIP, drive, mapped, written
 
+from twin.commands.run import load_estimators
 from twin.errors import BadInput
 from twin.logs import paired_speeds, read
+from twin.pipeline.log import estimate, loud
 
 IMU = '[imu]\ngyro_z = {column = "yaw", unit = "rad/s"}\n'
 
@@ -53,6 +57,54 @@ def test_swapped_columns_and_conventions(tmp_path):
     assert "apart" not in notes(
         tmp_path, off, text + "[setup.gnss]\nheading_mount_rad = -1.5707963\n"
     )
+
+
+def across(columns, mount_deg):
+    return {**columns, "head": np.mod(columns["course"] - mount_deg, 360.0)}
+
+
+HEADED = MAP.replace("course =", 'heading = {column = "head", unit = "deg"}\ncourse =')
+
+
+@pytest.mark.parametrize("mount_deg", [-90.0, 90.0, 70.0, -110.0])
+def test_a_heading_across_the_course_is_not_used(tmp_path, mount_deg):
+    path = written(tmp_path, across(drive(), mount_deg))
+    result = estimate(path, mapped(tmp_path, HEADED), estimators=load_estimators("ratio"))
+    assert result.found["slip"]["ratio"]["median"] == pytest.approx(SLIP, abs=0.01)
+    (note,) = (n for n in result.notes if "the heading is not used" in n)
+    told = float(re.search(r"heading_mount_rad = (\S+) in", note)[1])
+    assert told == pytest.approx(np.radians(mount_deg), abs=1e-3)
+    log = read(path, mapped(tmp_path, f"{HEADED}[setup.gnss]\nheading_mount_rad = {told}\n"))
+    assert np.isfinite(log.streams["gnss"]["heading_rad"]).any()
+
+
+@pytest.mark.parametrize("mount_deg", [0.0, 40.0, 180.0])
+def test_a_heading_that_is_not_across_is_kept(tmp_path, mount_deg):
+    log = read(written(tmp_path, across(drive(), mount_deg)), mapped(tmp_path, HEADED))
+    assert np.isfinite(log.streams["gnss"]["heading_rad"]).any()
+
+
+def test_a_speed_along_a_heading_whose_mount_is_given(tmp_path):
+    text = "\n".join(line for line in HEADED.splitlines() if not line.startswith("course"))
+    text += "\n[setup.gnss]\nheading_mount_rad = -1.5707963\n"
+    log = read(written(tmp_path, across(drive(), -90.0)), mapped(tmp_path, text))
+    assert np.isfinite(log.streams["gnss"]["heading_rad"]).any()
+    assert not any("disagree" in note or "apart" in note for note in log.notes)
+
+
+def test_a_slip_beyond_belief_is_said_of_all_rows_and_of_work(tmp_path):
+    log = read(written(tmp_path, drive()), mapped(tmp_path))
+    epoch_ns = log.streams["wheels"]["epoch_ns"]
+    n = len(epoch_ns)
+    stands = {"epoch_ns": epoch_ns, "slip": np.ones(n), "speed_mps": np.full(n, 0.01)}
+    said = " ".join(loud(log, {"mine": stands}))
+    assert "mine: median slip +100.0 % of all rows is beyond 25 %" in said
+    assert "its estimated speed stays at 0.01 m/s" in said
+    assert "heading_mount_rad" in said
+    fine = {**stands, "slip": np.full(n, 0.05), "speed_mps": np.full(n, 2.0)}
+    assert loud(log, {"mine": fine}, {"mine": {"median": 0.1}}) == []
+    (note,) = loud(log, {"mine": fine}, {"mine": {"median": 0.6}})
+    assert "+60.0 % at work is beyond 25 %" in note
 
 
 @pytest.mark.parametrize(("ratio", "noted"), [(4, True), (10, True), (1, False)])

@@ -98,6 +98,19 @@ def text_of(path):
     return out.read_text()
 
 
+@pytest.mark.parametrize(("mount_deg", "written_rad"), [(-90.0, -1.5708), (86.0, 1.5708)])
+def test_antennas_side_by_side_are_found_and_marked(tmp_path, mount_deg, written_rad):
+    columns = {name: values for name, values in drive().items() if name != "yaw"}
+    columns["heading [deg]"] = np.mod(columns["course"] - mount_deg, 360.0)
+    log, text = mapped(tmp_path, written(tmp_path, columns))
+    line = next(line for line in text.splitlines() if line.startswith("heading_mount_rad"))
+    assert "# ? " in line
+    assert log.setup.gnss.heading_mount_rad == pytest.approx(written_rad, abs=1e-4)
+    assert np.isfinite(log.streams["gnss"]["heading_rad"]).any()
+    columns["heading [deg]"] = columns["course"]
+    assert "heading_mount_rad" not in text_of(written(tmp_path, columns, "along.csv"))
+
+
 def test_every_column_of_a_stream_is_known_with_its_unit():
     for section, keys in QUANTITIES.items():
         for key, quantity in keys.items():

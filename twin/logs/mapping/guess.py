@@ -13,7 +13,7 @@ from twin.logs.cells import Text, labels, numbers
 from twin.logs.column_map import BEARINGS
 from twin.logs.mapping.guessed import Guess, Seen
 from twin.logs.mapping.names import OWN_NAMES, quantity_of, unit_of
-from twin.logs.mapping.physics import by_physics
+from twin.logs.mapping.physics import by_physics, mount_rad
 from twin.logs.mapping.times import time_of
 from twin.logs.quantities import QUANTITIES
 from twin.logs.signals import Found, Signal
@@ -38,6 +38,8 @@ class Guesses:
     labels: tuple[str, ...]
     """Columns of text with few values."""
     seen: tuple[Seen, ...]
+    heading_mount_rad: float | None = None
+    """Where the heading lies across the track, how the antennas are turned."""
 
 
 def guesses(found: Found) -> Guesses:
@@ -56,7 +58,10 @@ def guesses(found: Found) -> Guesses:
     told = {g.section for g in own}
     guessed = [g for g in _by_name(seen) if g.section not in told]
     chosen = [*own, *(guessed if own else by_physics(guessed, {s.name: s for s in seen}))]
-    return Guesses(time=time, quantities=tuple(chosen), labels=tuple(text), seen=tuple(seen))
+    return Guesses(
+        time=time, quantities=tuple(chosen), labels=tuple(text), seen=tuple(seen),
+        heading_mount_rad=mount_rad(chosen, {s.name: s for s in seen}),
+    )  # fmt: skip
 
 
 def _own(own_map: Mapping[str, object]) -> list[Guess]:

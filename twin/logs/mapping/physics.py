@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from twin.logs.checks.across import mount_across_rad
 from twin.logs.geodesy import enu_m
 from twin.logs.mapping.guessed import Guess, Seen
 from twin.logs.quantities import QUANTITIES
@@ -18,7 +19,7 @@ from twin.streams import Array
 def by_physics(chosen: list[Guess], seen: Mapping[str, Seen]) -> list[Guess]:
     """Units and senses that the numbers confirm or correct."""
     by_key = {f"{g.section}.{g.key}": g for g in chosen}
-    track = _track(by_key, seen)
+    track = track_of(by_key, seen)
     if track is not None:
         time_s, speed, direction = track
         _fit_speed(by_key, "gnss.speed", seen, time_s, speed, 0.1, "positions move so fast")
@@ -32,7 +33,7 @@ def by_physics(chosen: list[Guess], seen: Mapping[str, Seen]) -> list[Guess]:
     return list(by_key.values())
 
 
-def _track(
+def track_of(
     by_key: Mapping[str, Guess], seen: Mapping[str, Seen]
 ) -> tuple[Array, Array, Array] | None:
     """Times, speed and direction (from east) between positions some seconds apart."""
@@ -64,6 +65,23 @@ def _track(
     good = (dt > 0) & (dt < 10.0)
     middle = 0.5 * (time_s[step:] + time_s[:-step])
     return middle[good], np.hypot(de, dn)[good] / dt[good], np.arctan2(dn, de)[good]
+
+
+def mount_rad(chosen: Sequence[Guess], seen: Mapping[str, Seen]) -> float | None:
+    """How the antennas are turned, where the heading lies across the track of the positions."""
+    by_key = {f"{g.section}.{g.key}": g for g in chosen}
+    guess, track = by_key.get("gnss.heading"), track_of(by_key, seen)
+    if guess is None or track is None:
+        return None
+    each = seen[guess.signal]
+    known = np.isfinite(each.values)
+    if known.sum() < 2:
+        return None
+    angle = each.values[known] * UNITS["angle"][guess.unit] * guess.sign
+    turned = np.exp(1j * (angle if guess.convention == "east" else math.pi / 2 - angle))
+    time_s, speed, course = track
+    at = np.searchsorted(each.time_s[known], time_s).clip(0, int(known.sum()) - 1)
+    return mount_across_rad(np.angle(turned[at]), course, speed, time_s)
 
 
 def _si(
