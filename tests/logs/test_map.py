@@ -1,5 +1,6 @@
 """A first map of logs that nobody has described."""
 
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -109,6 +110,16 @@ def test_antennas_side_by_side_are_found_and_marked(tmp_path, mount_deg, written
     assert np.isfinite(log.streams["gnss"]["heading_rad"]).any()
     columns["heading [deg]"] = columns["course"]
     assert "heading_mount_rad" not in text_of(written(tmp_path, columns, "along.csv"))
+
+
+def test_the_commented_set_up_names_what_ticks_need(tmp_path):
+    text = text_of(written(tmp_path, drive()))
+    below = text.partition("# [setup.wheels]\n")[2]
+    assert "# radius_m = " in below
+    assert "# counts_per_turn = " in below
+    uncommented = text.partition("[setup]")[2].replace("\n# ", "\n")
+    wheels = tomllib.loads("[setup]" + uncommented)["setup"]["wheels"]
+    assert wheels["counts_per_turn"] == 100
 
 
 def test_every_column_of_a_stream_is_known_with_its_unit():

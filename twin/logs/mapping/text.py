@@ -69,6 +69,7 @@ _SETUP = (
     "# wheelbase_m = 2.8",
     "# [setup.wheels]",
     "# radius_m = {fl = 0.6, fr = 0.6, rl = 0.8, rr = 0.8}",
+    "# counts_per_turn = 100  # of a wheel; ticks give no speed without it",
 )
 
 
