@@ -11,6 +11,7 @@ from twin.errors import BadInput
 from twin.logs import paired_speeds, read
 from twin.pipeline.log import estimate, loud
 
+HEADED = MAP.replace("course =", 'heading = {column = "head", unit = "deg"}\ncourse =')
 IMU = '[imu]\ngyro_z = {column = "yaw", unit = "rad/s"}\n'
 
 
@@ -35,6 +36,8 @@ def test_a_drive_that_agrees_says_nothing(tmp_path):
         ("t", 60.0, "positions and velocity disagree"),
         ("yaw", -1.0, "gyro_z turns -1 times as far"),
         ("yaw", 57.3, "gyro_z turns 57.3 times as far"),
+        ("yaw", 57.3, "(deg/s taken for rad/s)"),
+        ("yaw", 1.0 / 57.3, "(rad/s taken for deg/s)"),
     ],
 )
 def test_a_wrong_unit_or_sign(tmp_path, column, factor, says):
@@ -43,6 +46,42 @@ def test_a_wrong_unit_or_sign(tmp_path, column, factor, says):
     if column == "v":
         columns["wheel"] = columns["wheel"] * factor
     assert says in notes(tmp_path, columns, MAP + IMU)
+
+
+@pytest.mark.parametrize(("factor", "says"), [
+    (57.3, "deg/s taken for rad/s"), (1.0 / 57.3, "rad/s taken for deg/s"), (1.0, ""),
+])  # fmt: skip
+def test_a_gyro_on_a_drive_without_a_turn(tmp_path, factor, says):
+    generator = np.random.default_rng(0)
+    columns = drive()
+    t = columns["t"]
+    columns["head"] = 40.0 + 3.0 * np.sin(t / 4.0) + 0.1 * generator.normal(size=len(t))
+    columns["rate_mradps"] = 1e3 * factor * np.radians(-0.75 * np.cos(t / 4.0))
+    text = HEADED
+    for name in ("lat", "lon"):
+        text = "\n".join(line for line in text.splitlines() if f'"{name}"' not in line)
+    rate = '\n[imu]\ngyro_z = {column = "rate_mradps", unit = "mrad/s"}\n'
+    said = notes(tmp_path, columns, text + rate)
+    assert ("gyro_z turns" in said) == bool(says)
+    assert says in said
+
+
+@pytest.mark.parametrize(("unit", "says"), [
+    ("rad/s", ""), ("deg/s", "26.3 rpm at the median on the move, and"),
+    ("rpm", "(rad/s taken for rpm would make it 1509 rpm)"),
+])  # fmt: skip
+def test_an_engine_that_turns_as_none_does(tmp_path, unit, says):
+    columns = drive() | {"n": np.full(600, 158.0)}
+    machine = f'[machine]\nengine_speed = {{column = "n", unit = "{unit}"}}\n'
+    said = notes(tmp_path, columns, MAP + machine)
+    assert ("engine_speed" in said) == (unit != "rad/s")
+    assert says in said
+
+
+def test_an_engine_that_stands_is_no_wrong_unit(tmp_path):
+    columns = drive() | {"n": np.zeros(600)}
+    machine = '[machine]\nengine_speed = {column = "n", unit = "rpm"}\n'
+    assert "engine_speed" not in notes(tmp_path, columns, MAP + machine)
 
 
 def test_swapped_columns_and_conventions(tmp_path):
@@ -61,9 +100,6 @@ def test_swapped_columns_and_conventions(tmp_path):
 
 def across(columns, mount_deg):
     return {**columns, "head": np.mod(columns["course"] - mount_deg, 360.0)}
-
-
-HEADED = MAP.replace("course =", 'heading = {column = "head", unit = "deg"}\ncourse =')
 
 
 @pytest.mark.parametrize("mount_deg", [-90.0, 90.0, 70.0, -110.0])
