@@ -180,8 +180,12 @@ def _prepared(log: Log) -> tuple[Log, SteadySlip | None, dict[str, Plain]]:
     log, beside = protocol.applied(log)
     if "zero_slip" not in log.rules:
         return log, None, beside | {"zero_slip_from": _zero_slip(log, beside)}
-    scaled = log_check.scaled(log, log_check.log_scale(log).scale)
-    return scaled, log_check.steady_slip(log) if "steady" in log.rules else None, beside
+    scale = log_check.log_scale(log)
+    scaled = log_check.scaled(log, scale.scale)
+    steady = log_check.steady_slip(log) if "steady" in log.rules else None
+    told = {"scale": scale.scale, "low": scale.low, "high": scale.high, "n": scale.n,
+            "rule": scale.rule}  # fmt: skip
+    return scaled, steady, beside | {"zero_slip_scale": told}
 
 
 def _zero_slip(log: Log, beside: Mapping[str, Plain]) -> str:
