@@ -112,6 +112,14 @@ def test_antennas_side_by_side_are_found_and_marked(tmp_path, mount_deg, written
     assert "heading_mount_rad" not in text_of(written(tmp_path, columns, "along.csv"))
 
 
+@pytest.mark.parametrize(("turns", "unit"), [(157.0, "rad/s"), (1500.0, "rpm")])
+def test_an_engine_speed_without_a_unit(tmp_path, turns, unit):
+    columns = drive() | {"engine speed": np.linspace(0.5, 1.0, 600) * turns}
+    line = next(a for a in text_of(written(tmp_path, columns)).splitlines() if "engine" in a)
+    assert f'unit = "{unit}"' in line
+    assert "# ? " in line
+
+
 def test_the_commented_set_up_names_what_ticks_need(tmp_path):
     text = text_of(written(tmp_path, drive()))
     below = text.partition("# [setup.wheels]\n")[2]

@@ -27,6 +27,8 @@ _USUAL_UNIT = {
     "imu.accel": "m/s2", "reference.slip": "1",
 }  # fmt: skip
 _MOST_LABELS = 20
+_MOST_ENGINE_RADPS = 420.0
+"""4000 rpm, more than a tractor's engine reaches; in rpm it would be less than any idles at."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,6 +151,8 @@ def _usual_unit(section: str, key: str, seen: Seen, allowed: tuple[str, ...]) ->
         return "deg/s" if largest > 3.0 else "rad/s"
     if key.startswith("accel"):
         return "g" if key == "accel_z" and 0.5 < abs(np.nanmedian(seen.values)) < 1.5 else "m/s2"
+    if key == "engine_speed" and largest < _MOST_ENGINE_RADPS:
+        return "rad/s"
     if key in ("engine_load", "slip"):
         return "%" if largest > 2.0 else "1"
     usual = _USUAL_UNIT.get(f"{section}.{key}", _USUAL_UNIT.get(section, ""))
