@@ -114,6 +114,16 @@ def test_a_heading_across_the_course_is_not_used(tmp_path, mount_deg):
     assert np.isfinite(log.streams["gnss"]["heading_rad"]).any()
 
 
+@pytest.mark.parametrize("mount_deg", [-90.0, 90.0])
+def test_driving_in_reverse_hides_no_heading_across_the_course(tmp_path, mount_deg):
+    columns = across(drive(), mount_deg)
+    columns["course"][400:] = np.mod(columns["course"][400:] + 180.0, 360.0)
+    log = read(written(tmp_path, columns), mapped(tmp_path, HEADED))
+    assert "heading_rad" not in log.streams["gnss"]
+    (note,) = (n for n in log.notes if "the heading is not used" in n)
+    assert f"heading_mount_rad = {np.radians(mount_deg):.4f}" in note
+
+
 @pytest.mark.parametrize("mount_deg", [0.0, 40.0, 180.0])
 def test_a_heading_that_is_not_across_is_kept(tmp_path, mount_deg):
     log = read(written(tmp_path, across(drive(), mount_deg)), mapped(tmp_path, HEADED))

@@ -16,7 +16,7 @@ STRAIGHT_RAD, STRAIGHT_S = math.radians(5.0), 1.0
 """The course turns less than this in this time."""
 LEAST_ROWS = 10
 TOGETHER = 0.9
-"""Length of the mean of the directions as unit vectors, 1 where all are the same."""
+"""Length of the mean of twice the angles as unit vectors, 1 where all are the same."""
 SQUARE_RAD = math.radians(10.0)
 """A mount so near to a right angle is taken for one."""
 
@@ -26,7 +26,9 @@ def mount_across_rad(
 ) -> float | None:
     """The mount that lays the heading along the course; None where it is not across.
 
-    mount = angle(mean exp(i (heading - course)))   over rows of straight driving
+    mount = angle(mean exp(2 i (heading - course))) / 2   over rows of straight driving
+
+    Twice the angle is the same forwards and in reverse; most rows are taken to be driven forwards.
 
     Args:
         heading_rad, course_rad: counter-clockwise from east, shape (n,).
@@ -40,9 +42,11 @@ def mount_across_rad(
     course = course_rad[known]
     straight = _straight(course, time_s[known])
     turn = np.exp(1j * (heading_rad[known] - course))[straight]
-    if len(turn) < LEAST_ROWS or abs(turn.mean()) < TOGETHER:
+    if len(turn) < LEAST_ROWS or abs(np.mean(turn**2)) < TOGETHER:
         return None
-    mount = float(np.angle(turn.mean()))
+    axis = 0.5 * float(np.angle(np.mean(turn**2)))
+    ahead = float(np.mean(np.cos(np.angle(turn) - axis))) >= 0.0
+    mount = axis if ahead else math.remainder(axis + math.pi, 2.0 * math.pi)
     if not ACROSS_RAD[0] < abs(mount) < ACROSS_RAD[1]:
         return None
     square = math.copysign(math.pi / 2, mount)
