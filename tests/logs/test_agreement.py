@@ -1,12 +1,17 @@
 """What does not agree is said: units, signs, columns, values that are no new measurements."""
 
+import re
+
 import numpy as np
 import pytest
 from made_drive import MAP, SLIP, drive, mapped, written
 
+from twin.commands.run import load_estimators
 from twin.errors import BadInput
 from twin.logs import paired_speeds, read
+from twin.pipeline.log import estimate, loud
 
+HEADED = MAP.replace("course =", 'heading = {column = "head", unit = "deg"}\ncourse =')
 IMU = '[imu]\ngyro_z = {column = "yaw", unit = "rad/s"}\n'
 
 
@@ -31,6 +36,8 @@ def test_a_drive_that_agrees_says_nothing(tmp_path):
         ("t", 60.0, "positions and velocity disagree"),
         ("yaw", -1.0, "gyro_z turns -1 times as far"),
         ("yaw", 57.3, "gyro_z turns 57.3 times as far"),
+        ("yaw", 57.3, "(deg/s taken for rad/s)"),
+        ("yaw", 1.0 / 57.3, "(rad/s taken for deg/s)"),
     ],
 )
 def test_a_wrong_unit_or_sign(tmp_path, column, factor, says):
@@ -39,6 +46,42 @@ def test_a_wrong_unit_or_sign(tmp_path, column, factor, says):
     if column == "v":
         columns["wheel"] = columns["wheel"] * factor
     assert says in notes(tmp_path, columns, MAP + IMU)
+
+
+@pytest.mark.parametrize(("factor", "says"), [
+    (57.3, "deg/s taken for rad/s"), (1.0 / 57.3, "rad/s taken for deg/s"), (1.0, ""),
+])  # fmt: skip
+def test_a_gyro_on_a_drive_without_a_turn(tmp_path, factor, says):
+    generator = np.random.default_rng(0)
+    columns = drive()
+    t = columns["t"]
+    columns["head"] = 40.0 + 3.0 * np.sin(t / 4.0) + 0.1 * generator.normal(size=len(t))
+    columns["rate_mradps"] = 1e3 * factor * np.radians(-0.75 * np.cos(t / 4.0))
+    text = HEADED
+    for name in ("lat", "lon"):
+        text = "\n".join(line for line in text.splitlines() if f'"{name}"' not in line)
+    rate = '\n[imu]\ngyro_z = {column = "rate_mradps", unit = "mrad/s"}\n'
+    said = notes(tmp_path, columns, text + rate)
+    assert ("gyro_z turns" in said) == bool(says)
+    assert says in said
+
+
+@pytest.mark.parametrize(("unit", "says"), [
+    ("rad/s", ""), ("deg/s", "26.3 rpm at the median on the move, and"),
+    ("rpm", "(rad/s taken for rpm would make it 1509 rpm)"),
+])  # fmt: skip
+def test_an_engine_that_turns_as_none_does(tmp_path, unit, says):
+    columns = drive() | {"n": np.full(600, 158.0)}
+    machine = f'[machine]\nengine_speed = {{column = "n", unit = "{unit}"}}\n'
+    said = notes(tmp_path, columns, MAP + machine)
+    assert ("engine_speed" in said) == (unit != "rad/s")
+    assert says in said
+
+
+def test_an_engine_that_stands_is_no_wrong_unit(tmp_path):
+    columns = drive() | {"n": np.zeros(600)}
+    machine = '[machine]\nengine_speed = {column = "n", unit = "rpm"}\n'
+    assert "engine_speed" not in notes(tmp_path, columns, MAP + machine)
 
 
 def test_swapped_columns_and_conventions(tmp_path):
@@ -53,6 +96,61 @@ def test_swapped_columns_and_conventions(tmp_path):
     assert "apart" not in notes(
         tmp_path, off, text + "[setup.gnss]\nheading_mount_rad = -1.5707963\n"
     )
+
+
+def across(columns, mount_deg):
+    return {**columns, "head": np.mod(columns["course"] - mount_deg, 360.0)}
+
+
+@pytest.mark.parametrize("mount_deg", [-90.0, 90.0, 70.0, -110.0])
+def test_a_heading_across_the_course_is_not_used(tmp_path, mount_deg):
+    path = written(tmp_path, across(drive(), mount_deg))
+    result = estimate(path, mapped(tmp_path, HEADED), estimators=load_estimators("ratio"))
+    assert result.found["slip"]["ratio"]["median"] == pytest.approx(SLIP, abs=0.01)
+    (note,) = (n for n in result.notes if "the heading is not used" in n)
+    told = float(re.search(r"heading_mount_rad = (\S+) in", note)[1])
+    assert told == pytest.approx(np.radians(mount_deg), abs=1e-3)
+    log = read(path, mapped(tmp_path, f"{HEADED}[setup.gnss]\nheading_mount_rad = {told}\n"))
+    assert np.isfinite(log.streams["gnss"]["heading_rad"]).any()
+
+
+@pytest.mark.parametrize("mount_deg", [-90.0, 90.0])
+def test_driving_in_reverse_hides_no_heading_across_the_course(tmp_path, mount_deg):
+    columns = across(drive(), mount_deg)
+    columns["course"][400:] = np.mod(columns["course"][400:] + 180.0, 360.0)
+    log = read(written(tmp_path, columns), mapped(tmp_path, HEADED))
+    assert "heading_rad" not in log.streams["gnss"]
+    (note,) = (n for n in log.notes if "the heading is not used" in n)
+    assert f"heading_mount_rad = {np.radians(mount_deg):.4f}" in note
+
+
+@pytest.mark.parametrize("mount_deg", [0.0, 40.0, 180.0])
+def test_a_heading_that_is_not_across_is_kept(tmp_path, mount_deg):
+    log = read(written(tmp_path, across(drive(), mount_deg)), mapped(tmp_path, HEADED))
+    assert np.isfinite(log.streams["gnss"]["heading_rad"]).any()
+
+
+def test_a_speed_along_a_heading_whose_mount_is_given(tmp_path):
+    text = "\n".join(line for line in HEADED.splitlines() if not line.startswith("course"))
+    text += "\n[setup.gnss]\nheading_mount_rad = -1.5707963\n"
+    log = read(written(tmp_path, across(drive(), -90.0)), mapped(tmp_path, text))
+    assert np.isfinite(log.streams["gnss"]["heading_rad"]).any()
+    assert not any("disagree" in note or "apart" in note for note in log.notes)
+
+
+def test_a_slip_beyond_belief_is_said_of_all_rows_and_of_work(tmp_path):
+    log = read(written(tmp_path, drive()), mapped(tmp_path))
+    epoch_ns = log.streams["wheels"]["epoch_ns"]
+    n = len(epoch_ns)
+    stands = {"epoch_ns": epoch_ns, "slip": np.ones(n), "speed_mps": np.full(n, 0.01)}
+    said = " ".join(loud(log, {"mine": stands}))
+    assert "mine: median slip +100.0 % of all rows is beyond 25 %" in said
+    assert "its estimated speed stays at 0.01 m/s" in said
+    assert "heading_mount_rad" in said
+    fine = {**stands, "slip": np.full(n, 0.05), "speed_mps": np.full(n, 2.0)}
+    assert loud(log, {"mine": fine}, {"mine": {"median": 0.1}}) == []
+    (note,) = loud(log, {"mine": fine}, {"mine": {"median": 0.6}})
+    assert "+60.0 % at work is beyond 25 %" in note
 
 
 @pytest.mark.parametrize(("ratio", "noted"), [(4, True), (10, True), (1, False)])

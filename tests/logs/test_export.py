@@ -2,13 +2,15 @@
 
 import numpy as np
 import pytest
-from made_drive import drive
+from made_drive import SLIP, drive
 
 from twin import cli
+from twin.commands.run import load_estimators
 from twin.errors import BadInput, UnknownName
 from twin.logs import read
 from twin.logs.export import WRITERS, export
 from twin.logs.setup_block import setup_from
+from twin.pipeline.log import estimate
 from twin.streams import WHEELS, Streams
 
 CM_S = 0.01
@@ -99,6 +101,24 @@ def test_out_and_in_again(tmp_path, kind, seed):
             compared += 1
     held = sum(len(t) - 2 for t in ours.tables.values()) - len(lost)
     assert compared + (4 if kind == "candump" else 0) == held
+
+
+def test_the_first_map_of_an_exported_run_gives_its_slip(tmp_path):
+    export(streams(), setup(), "csv", tmp_path / "csv")
+    files, own = files_of(tmp_path / "csv", "csv"), tmp_path / "csv" / "map.toml"
+    assert cli.main(["map", *map(str, files), "--out", str(tmp_path / "m.toml"), "--quiet"]) == 0
+    text = (tmp_path / "m.toml").read_text()
+    assert "# ?" not in text.partition("\n")[2]
+    made = (tmp_path / "edited.toml").write_text(
+        text.partition("[setup]")[0] + own.read_text()[own.read_text().index("[setup]") :]
+    )
+    assert made
+    slips = {}
+    for each in (own, tmp_path / "edited.toml"):
+        result = estimate(files, each, estimators=load_estimators("ratio"))
+        slips[each.name] = result.found["slip"]["ratio"]["median"]
+    assert slips["edited.toml"] == pytest.approx(slips["map.toml"], abs=1e-3)
+    assert slips["map.toml"] == pytest.approx(SLIP, abs=0.01)
 
 
 def test_wheels_on_a_bus_are_speeds_each_tenth_of_a_second(tmp_path):

@@ -4,6 +4,7 @@ import pytest
 
 from twin.scores.hours import hours, hours_seconds, start_text
 from twin.scores.log_table import activity_rows, assumptions, fuel_sentences, number, slip_rows
+from twin.scores.table import hidden_notes
 
 SHARE = {
     "activity": "working", "time_s": 3600.0, "distance_m": 7200.0, "speed_kmh": 7.2,
@@ -59,6 +60,36 @@ def test_litres_per_hectare_or_why_not():
     assert "no fuel rate" in fuel_sentences({"drive": dry})[0]
     assert "no work was found" in fuel_sentences({"drive": {**DRIVE, "area": None}})[0]
     assert fuel_sentences({"drive": None}) == []
+
+
+def test_a_rule_of_the_map_says_where_slip_is_zero_in_one_line():
+    slip = {"median": 0.07, "p05": -0.01, "p95": 0.1, "n": 9}
+    scale = {"scale": 0.9933, "low": 0.99, "high": 1.0, "n": 50, "rule": "state in {M}"}
+    told = {"slip": {"ratio": slip}, "zero_slip": "unknown", "zero_slip_scale": scale}
+    (line,) = (line for line in assumptions(told) if "zero" in line)
+    assert "50 rows of the log where state in {M}" in line
+    assert "scale 0.9933 (95 % interval: 0.990 to 1.000)" in line
+    assert "not stated" not in line
+    (line,) = (a for a in assumptions({**told, "zero_slip_scale": None}) if "zero" in a)
+    assert line == "slip is zero at: not stated"
+    from_set_up = {**told, "zero_slip_scale": None, "zero_slip_from": "zero slip: as logged"}
+    assert assumptions(from_set_up) == ["zero slip: as logged"]
+
+
+def test_what_a_dash_means_and_who_ran_away_without_gnss():
+    row = {"estimator": "ratio", "hidden_s": 60.0, "n": 4, "speed_rms_mps": None,
+           "slip_rms": None, "in_2sd": None}  # fmt: skip
+    away = {**row, "estimator": "four-state", "speed_rms_mps": 11.0, "slip_rms": 0.8}
+    fine = {**away, "estimator": "slip-ekf", "speed_rms_mps": 0.1, "in_2sd": 0.9}
+    notes = hidden_notes({"hidden": [row, away, fine], "drive": DRIVE})
+    assert notes[0].startswith("a dash: ratio gives nothing without GNSS")
+    assert "states no slip_sd" in notes[1]
+    assert notes[2].startswith(
+        "four-state: a speed RMS above the log's own mean speed while driving, 2.00"
+    )
+    assert "ran away" in notes[2]
+    assert hidden_notes({"hidden": [fine], "drive": DRIVE}) == []
+    assert hidden_notes({}) == []
 
 
 def test_what_was_assumed_ends_with_the_notes():

@@ -11,6 +11,7 @@ from twin.scores.table import (
     HIDDEN_RANKS,
     RANKS,
     end_lines,
+    hidden_notes,
     hidden_rows,
     score_rows,
     zero_line,
@@ -34,6 +35,8 @@ def print_hidden(scores: Mapping[str, Plain]) -> None:
     if rows:
         say("GNSS hidden at regular places while driving, scored at their ends", style="italic")
         _print(rows, HIDDEN_RANKS)
+        for line in hidden_notes(scores):
+            say(f"note: {line}", style="dim", indent=2)
 
 
 def _print(rows: list[list[str]], ranks: Mapping[str, int]) -> None:

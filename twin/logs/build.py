@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from twin.errors import BadInput
 from twin.logs.cells import labels
+from twin.logs.checks.across import along_course
 from twin.logs.checks.agreement import disagreements
 from twin.logs.checks.cutoff import unknown
 from twin.logs.checks.plausible import check_same_machine
@@ -105,6 +106,9 @@ def _assembled(
     tables, more = _without_cut_off(tables)
     mount_rad = setup.gnss.heading_mount_rad if setup.gnss else 0.0
     told.notes += [*more, *disagreements(tables, mount_rad), *_absent(tables)]
+    if "gnss" in tables:
+        tables["gnss"], across = along_course(tables["gnss"], mount_rad)
+        told.notes += across
     if "wheels" in tables and rows_ns is not None:
         rows_ns = tables["wheels"]["epoch_ns"]
     setup, assumed = _with_blocks(setup, columns_of, tables)
@@ -119,7 +123,8 @@ def _sensor_table(
     name: str, values: Table, epoch_ns: NDArray[np.int64], told: Told, setup: Setup
 ) -> tuple[Table, Origin | None]:
     if name == "gnss":
-        return gnss_table(values, epoch_ns, told, setup.origin)
+        mount_rad = setup.gnss.heading_mount_rad if setup.gnss else 0.0
+        return gnss_table(values, epoch_ns, told, setup.origin, mount_rad)
     table = dict(values)
     if "driven_speed_mps" in table:
         speed = table.pop("driven_speed_mps")

@@ -28,7 +28,11 @@ _DIRECTED = ("speed_mps", "course_rad", "v_forward_mps", "v_left_mps")
 
 
 def gnss_table(
-    values: Table, epoch_ns: NDArray[np.int64], told: Told, given: Origin | None = None
+    values: Table,
+    epoch_ns: NDArray[np.int64],
+    told: Told,
+    given: Origin | None = None,
+    mount_rad: float = 0.0,
 ) -> tuple[Table, Origin | None]:
     """Columns of the `gnss` stream (angles in `values` are already counter-clockwise from east).
 
@@ -39,13 +43,15 @@ def gnss_table(
         epoch_ns: their times.
         told: takes notes and losses.
         given: the geodetic origin [deg, deg, m]; None for the first fix.
+        mount_rad: from the body to the antenna baseline, whose heading is measured.
 
     Returns:
         the columns without stamps; the geodetic origin [deg, deg, m] if there is one.
     """
     table = {k: v for k, v in values.items() if k not in (*_GEODETIC, *_DIRECTED)}
     origin = _add_position(table, values, epoch_ns, told, given)
-    _add_velocity(table, values, told)
+    body = {"heading_rad": values["heading_rad"] - mount_rad} if "heading_rad" in values else {}
+    _add_velocity(table, {**values, **body}, told)
     if "v_east_mps" not in table and {"east_m", "north_m"} <= set(table):
         _differentiate(table, epoch_ns, told)
     if "heading_rad" in table:

@@ -58,6 +58,8 @@ def estimate(
     done = all_estimates(estimators, log.setup, log.streams, told)
     hidden = {"hidden": hidden_scores(log, estimators, hide_s)} if hide_s else {}
     reference = _reference(log, files[0]) or {}
+    found = findings(log, done.tables, steady, protocol_spans_ns(beside))
+    noted = loud(log, done.tables, found.get("work_slip"))
     odd = percent_note("slip of the reference", reference, log.streams)
     return Result(
         scenario=None,
@@ -66,10 +68,10 @@ def estimate(
         truth=reference,
         estimates=done.tables,
         wall_s=time.perf_counter() - start,
-        notes=(*log.notes, *done.notes, *([odd] if odd else []), *loud(log, done.tables)),
+        notes=(*log.notes, *done.notes, *([odd] if odd else []), *noted),
         failed=done.failed,
         name=files[0].resolve().stem,
-        found=beside | hidden | findings(log, done.tables, steady, protocol_spans_ns(beside)),
+        found=beside | hidden | found,
     )
 
 
@@ -77,20 +79,30 @@ LOUD_SLIP = 0.25
 """Median slip that no work in a field has; most often a unit or a radius is wrong."""
 
 
-def loud(log: Log, estimates: Mapping[str, Table]) -> list[str]:
-    """A note for every estimator whose median slip is large, or that says nothing of slip."""
+def loud(
+    log: Log, estimates: Mapping[str, Table], work_slip: Mapping[str, Plain] | None = None
+) -> list[str]:
+    """A note for every estimator whose median slip is large, or that says nothing of slip.
+
+    Its slip while driving and at work, and that of all rows where it gives none while driving.
+    """
     notes = []
     for name, table in estimates.items():
-        found = slip_summary(table)
-        median = found["median"]
-        if median is not None and abs(median) > LOUD_SLIP:
+        driving, work = slip_summary(table), (work_slip or {}).get(name) or {}
+        rows = "while driving" if driving["n"] else "of all rows"
+        slip = np.asarray(table.get("slip", np.empty(0)), np.float64)
+        median = driving["median"] if driving["n"] else spread(slip)["median"]
+        of_rows = {rows: median, "at work": work.get("median")}
+        large = [f"{100 * m:+.1f} % {which}" for which, m in of_rows.items()
+                 if m is not None and abs(m) > LOUD_SLIP]  # fmt: skip
+        if large:
             notes.append(
-                f"{name}: median slip {100 * median:+.1f} % is beyond {100 * LOUD_SLIP:.0f} %: are "
+                f"{name}: median slip {', '.join(large)} is beyond {100 * LOUD_SLIP:.0f} %: are "
                 "the units, the radius and the columns right?"
             )
-        elif "slip" not in table:
+        if "slip" not in table:
             notes.append(f"{name}: no slip estimated")
-        elif not found["n"] and len(log.streams):
+        elif not driving["n"] and len(log.streams):
             notes.append(f"{name}: no slip while driving: {_why_none(log, table)}")
     return notes
 
@@ -107,8 +119,16 @@ def _why_none(log: Log, estimates: Table) -> str:
     fastest = float(np.nanmax(logs.ground_speed_mps(log.streams)))
     if fastest <= MOVING_MPS:
         return f"the fastest ground speed is {fastest:.2f} m/s"
-    known = np.isfinite(np.asarray(estimates["slip"], np.float64))
-    return "its slip is NaN throughout" if not known.any() else "its speed never says so"
+    if not np.isfinite(np.asarray(estimates["slip"], np.float64)).any():
+        return "its slip is NaN throughout"
+    own = np.abs(np.asarray(estimates["speed_mps"], np.float64))
+    if not np.isfinite(own).any():
+        return "its speed is NaN throughout"
+    return (
+        f"its estimated speed stays at {np.nanmax(own):.2f} m/s, or is unknown where its slip is"
+        f" known, while GNSS reaches {fastest:.2f} m/s; check gnss.heading and heading_mount_rad in"
+        " [setup.gnss], along which the speed is taken"
+    )
 
 
 def findings(
@@ -160,8 +180,12 @@ def _prepared(log: Log) -> tuple[Log, SteadySlip | None, dict[str, Plain]]:
     log, beside = protocol.applied(log)
     if "zero_slip" not in log.rules:
         return log, None, beside | {"zero_slip_from": _zero_slip(log, beside)}
-    scaled = log_check.scaled(log, log_check.log_scale(log).scale)
-    return scaled, log_check.steady_slip(log) if "steady" in log.rules else None, beside
+    scale = log_check.log_scale(log)
+    scaled = log_check.scaled(log, scale.scale)
+    steady = log_check.steady_slip(log) if "steady" in log.rules else None
+    told = {"scale": scale.scale, "low": scale.low, "high": scale.high, "n": scale.n,
+            "rule": scale.rule}  # fmt: skip
+    return scaled, steady, beside | {"zero_slip_scale": told}
 
 
 def _zero_slip(log: Log, beside: Mapping[str, Plain]) -> str:

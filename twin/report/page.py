@@ -116,7 +116,7 @@ def _headline(scores: Mapping[str, Plain]) -> str:
         "errors within two reported standard deviations; 95.4 % is right."
     )
     if (zero := zero_line(scores)) is not None:
-        note += f" {zero.capitalize()}."
+        note += f" {html.escape(zero[0].upper() + zero[1:])}."
     return f'<h2>Scores</h2>{table(HEADERS, rows)}<p class="soft">{note}</p>'
 
 

@@ -117,8 +117,6 @@ def scale_lines(scores: Mapping[str, Plain]) -> list[str]:
         *told,
         f"steady work: median slip {_percent(steady, 'slip_median', 'slip_low', 'slip_high')}, "
         f"{steady['n']} rows of the log where {steady['rule']}",
-        f"zero-slip scale {_interval(steady, 'scale')}, {steady['scale_n']} rows of the log "
-        f"where {steady['scale_rule']}; slip moves with it by as much",
         f"lag of GNSS speed behind wheel speed {lag}",
     ]
 
@@ -187,7 +185,3 @@ def _percent(of: Mapping[str, Plain], middle: str, low: str, high: str) -> str:
     return (
         f"{100 * of[middle]:.1f} % (95 % interval: {100 * of[low]:.1f} to {100 * of[high]:.1f} %)"
     )
-
-
-def _interval(of: Mapping[str, Plain], name: str) -> str:
-    return f"{of[name]:.4f} (95 % interval: {of[f'{name}_low']:.3f} to {of[f'{name}_high']:.3f})"

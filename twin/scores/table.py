@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from twin.io.plain import Plain
 
@@ -46,8 +46,16 @@ def zero_line(scores: Mapping[str, Plain]) -> str | None:
     """Where the slip of a run or a log is zero, as a line of text; None where there is no slip."""
     from twin.streams import ZERO_SLIPS  # late: this module answers wrong commands at once
 
-    name = scores.get("zero_slip")
-    return None if name is None else f"slip is zero at: {ZERO_SLIPS.get(name, name)}"
+    name, ruled = scores.get("zero_slip"), scores.get("zero_slip_scale")
+    if ruled:
+        return (
+            f"slip is zero in {ruled['n']} rows of the log where {ruled['rule']} ([zero_slip] in"
+            f" the map): zero-slip scale {ruled['scale']:.4f} (95 % interval: {ruled['low']:.3f} to"
+            f" {ruled['high']:.3f}); slip moves with it by as much"
+        )
+    if name is None or (name == "unknown" and scores.get("zero_slip_from")):
+        return None
+    return f"slip is zero at: {ZERO_SLIPS.get(name, name)}"
 
 
 def hidden_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
@@ -63,6 +71,39 @@ def hidden_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
         ]
         for each in scores.get("hidden", [])
     ]
+
+
+def hidden_notes(scores: Mapping[str, Plain]) -> list[str]:
+    """What a dash in the rows of `hidden_rows` means, and which estimators ran away."""
+    rows = [each for each in scores.get("hidden", []) if each["n"]]
+    silent = {each["estimator"]: 0 for each in rows if each["speed_rms_mps"] is None}
+    notes = []
+    if silent:
+        notes.append(
+            f"a dash: {', '.join(silent)} gives nothing without GNSS, at the end of at least one"
+            " hidden time"
+        )
+    if any(each["slip_rms"] is not None and each["in_2sd"] is None for each in rows):
+        notes.append(f"a dash under {COVERAGE} alone: the estimator states no slip_sd")
+    driven_mps = _driven_mps((scores.get("drive") or {}).get("shares") or ())
+    away = {
+        each["estimator"]: 0
+        for each in rows
+        if driven_mps is not None and (each["speed_rms_mps"] or 0.0) > driven_mps
+    }
+    if away:
+        notes.append(
+            f"{', '.join(away)}: a speed RMS above the log's own mean speed while driving,"
+            f" {driven_mps:.2f} m/s, means that the estimator ran away without GNSS"
+        )
+    return notes
+
+
+def _driven_mps(shares: Sequence[Mapping[str, Plain]]) -> float | None:
+    """Mean speed of all activities but standing; None where it is unknown."""
+    driven = [s for s in shares if s["activity"] not in ("standing", "all") and s["distance_m"]]
+    time_s = sum(float(share["time_s"]) for share in driven)
+    return sum(float(share["distance_m"]) for share in driven) / time_s if time_s else None
 
 
 def end_lines(scores: Mapping[str, Plain]) -> list[str]:

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.logs.checks.engine import engine_notes
 from twin.logs.speeds import paired_speeds
 from twin.logs.units import UNITS
 from twin.streams import Array, Streams, Table
@@ -21,6 +22,8 @@ STRETCH_M = 20.0
 RATIO = 1.25
 ANGLE_RAD = math.radians(20.0)
 TURN_RAD = math.radians(10.0)
+SMALL_RAD, SMALL_ROWS, TOGETHER = math.radians(0.5), 20, 0.8
+"""Spread, number and least correlation of turns that are compared where none is large."""
 SLIP = 0.25
 MOVING_MPS = 0.5
 LONGEST_STEP_S, LONGEST_S = 5.0, 120.0
@@ -37,7 +40,7 @@ def disagreements(tables: Mapping[str, Table], mount_rad: float = 0.0) -> list[s
         notes += _way(tables["gnss"]) + _heading_course(tables["gnss"], mount_rad)
         if "imu" in tables:
             notes += _yaw(tables["gnss"], tables["imu"])
-    return notes + _speeds(Streams(tables))
+    return notes + _speeds(Streams(tables)) + engine_notes(tables)
 
 
 def _middle(table: Table) -> Table:
@@ -177,15 +180,41 @@ def _yaw(gnss: Table, imu: Table) -> list[str]:
     inside = (at_s[rows:] <= time_s[-1]) & (at_s[:-rows] >= time_s[0])
     inside &= at_s[rows:] - at_s[:-rows] < 10.0
     turning = inside & (np.abs(change[1]) > TURN_RAD) & (np.abs(change[1]) < math.pi)
-    if turning.sum() < 5:
-        return []
-    share = float(np.median(change[0][turning] / change[1][turning]))
+    if turning.sum() >= 5:
+        share = float(np.median(change[0][turning] / change[1][turning]))
+    else:
+        share = _small_turns(change[:, inside])
     if 1.0 / RATIO < share < RATIO:
         return []
     return [
         f"imu: gyro_z turns {share:.3g} times as far as the heading does; is its unit, its sign or"
-        " the axes wrong?"
+        f" the axes wrong{_rate_hint(share)}?"
     ]
+
+
+def _small_turns(change: Array) -> float:
+    """Slope of the gyro's turns against the heading's where none is large, if it is a unit's.
+
+    slope = cov(gyro, heading) / var(heading); 1 where they do not go together or it is no unit's
+    """
+    gyro, heading = change - change.mean(axis=1, keepdims=True) if change.size else change
+    spread = float(np.std(heading)) * float(np.std(gyro)) if len(heading) >= SMALL_ROWS else 0.0
+    if spread == 0.0 or float(np.std(heading)) < SMALL_RAD:
+        return 1.0
+    together = float(np.mean(gyro * heading)) / spread
+    slope = float(np.mean(gyro * heading) / np.mean(heading**2))
+    return slope if abs(together) > TOGETHER and _rate_hint(slope) else 1.0
+
+
+def _rate_hint(share: float) -> str:
+    """Degrees taken for radians or the other way round, where a ratio of turns says so."""
+    for factor, hint in (
+        (math.degrees(1.0), "deg/s taken for rad/s"),
+        (math.radians(1.0), "rad/s taken for deg/s"),
+    ):
+        if 1.0 / RATIO < abs(share) / factor < RATIO:
+            return f" ({hint})"
+    return ""
 
 
 def _speeds(streams: Streams) -> list[str]:

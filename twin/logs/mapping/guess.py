@@ -10,9 +10,10 @@ import numpy as np
 
 from twin.errors import BadInput
 from twin.logs.cells import Text, labels, numbers
+from twin.logs.column_map import BEARINGS
 from twin.logs.mapping.guessed import Guess, Seen
-from twin.logs.mapping.names import quantity_of, unit_of
-from twin.logs.mapping.physics import by_physics
+from twin.logs.mapping.names import OWN_NAMES, quantity_of, unit_of
+from twin.logs.mapping.physics import by_physics, mount_rad
 from twin.logs.mapping.times import time_of
 from twin.logs.quantities import QUANTITIES
 from twin.logs.signals import Found, Signal
@@ -26,6 +27,8 @@ _USUAL_UNIT = {
     "imu.accel": "m/s2", "reference.slip": "1",
 }  # fmt: skip
 _MOST_LABELS = 20
+_MOST_ENGINE_RADPS = 420.0
+"""4000 rpm, more than a tractor's engine reaches; in rpm it would be less than any idles at."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +40,8 @@ class Guesses:
     labels: tuple[str, ...]
     """Columns of text with few values."""
     seen: tuple[Seen, ...]
+    heading_mount_rad: float | None = None
+    """Where the heading lies across the track, how the antennas are turned."""
 
 
 def guesses(found: Found) -> Guesses:
@@ -55,7 +60,10 @@ def guesses(found: Found) -> Guesses:
     told = {g.section for g in own}
     guessed = [g for g in _by_name(seen) if g.section not in told]
     chosen = [*own, *(guessed if own else by_physics(guessed, {s.name: s for s in seen}))]
-    return Guesses(time=time, quantities=tuple(chosen), labels=tuple(text), seen=tuple(seen))
+    return Guesses(
+        time=time, quantities=tuple(chosen), labels=tuple(text), seen=tuple(seen),
+        heading_mount_rad=mount_rad(chosen, {s.name: s for s in seen}),
+    )  # fmt: skip
 
 
 def _own(own_map: Mapping[str, object]) -> list[Guess]:
@@ -109,7 +117,11 @@ def _by_name(seen: list[Seen]) -> list[Guess]:
         if not quantity or quantity in chosen or not np.isfinite(each.values).any():
             continue
         section, _, key = quantity.partition(".")
-        allowed = tuple(UNITS[QUANTITIES[section][key].dimension])
+        units = UNITS[QUANTITIES[section][key].dimension]
+        if each.name in OWN_NAMES:
+            chosen[quantity] = _of_a_stream(each.name, section, key, units)
+            continue
+        allowed = tuple(units)
         told = unit_of(each.name, allowed)
         unit = told or _usual_unit(section, key, each, allowed)
         large = np.nanmax(np.abs(each.values)) > 2.1 * math.pi
@@ -117,9 +129,18 @@ def _by_name(seen: list[Seen]) -> list[Guess]:
         why = "by its name" if told or plain else "by its name; the unit is not said"
         chosen[quantity] = Guess(
             signal=each.name, section=section, key=key, unit=unit, why=why,
-            sure=bool(told) or plain,
+            sure=bool(told) or plain, unit_told=bool(told),
         )  # fmt: skip
     return _consistent(chosen)
+
+
+def _of_a_stream(name: str, section: str, key: str, units: Mapping[str, float]) -> Guess:
+    """What the name of a stream's column says: SI, angles from east."""
+    return Guess(
+        signal=name, section=section, key=key, sure=True, unit_told=True, own=True,
+        unit=next(unit for unit, factor in units.items() if factor == 1.0),
+        why="by its name, that of a stream's column", convention="east" if key in BEARINGS else "",
+    )  # fmt: skip
 
 
 def _usual_unit(section: str, key: str, seen: Seen, allowed: tuple[str, ...]) -> str:
@@ -130,6 +151,8 @@ def _usual_unit(section: str, key: str, seen: Seen, allowed: tuple[str, ...]) ->
         return "deg/s" if largest > 3.0 else "rad/s"
     if key.startswith("accel"):
         return "g" if key == "accel_z" and 0.5 < abs(np.nanmedian(seen.values)) < 1.5 else "m/s2"
+    if key == "engine_speed" and largest < _MOST_ENGINE_RADPS:
+        return "rad/s"
     if key in ("engine_load", "slip"):
         return "%" if largest > 2.0 else "1"
     usual = _USUAL_UNIT.get(f"{section}.{key}", _USUAL_UNIT.get(section, ""))

@@ -21,6 +21,10 @@ class Guess:
     sure: bool
     convention: str = ""
     sign: int = 1
+    unit_told: bool = False
+    """The name says the unit, and physics does not change it."""
+    own: bool = False
+    """Named as a column of a stream, which has one unit and sense."""
 
 
 @dataclass(frozen=True, kw_only=True)

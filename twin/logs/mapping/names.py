@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+from twin.logs.quantities import QUANTITIES
+
 _LEFT, _RIGHT = r"(left|links|\bl\b|li\b)", r"(right|rechts|\br\b|re\b)"
 _FRONT, _REAR = r"(front|vorn|\bf\b|\bv\b)", r"(rear|hinten|back|\br\b|\bh\b)"
 _TURNS = r"(wheel|speed|vel|rad\b|rpm)"
@@ -63,7 +65,7 @@ TIME_NAMES = re.compile(
 )
 UNIT_NAMES: tuple[tuple[str, str], ...] = (
     (r"km[/_ ]?h|kph|kmh", "km/h"), (r"m[/_]s2|mps2|m s 2|m[/_]s\^2|m[/_]s²", "m/s2"),
-    (r"deg(rees?)?[/_ ]?(per[_ ])?s(ec)?\b|dps|°/s", "deg/s"),
+    (r"deg(rees?)?[/_ ]?(per[_ ])?s(ec)?\b|\bdps|°/s", "deg/s"),
     (r"rad[/_ ]?s\b|radps|rad/s", "rad/s"),
     (r"\bm[/_]s\b|mps|m s 1", "m/s"), (r"mph", "mph"), (r"knots?|kts?\b|\bkn\b", "kn"),
     (r"rpm|u/min|1/min|min-1", "rpm"), (r"deg|°|grad\b", "deg"), (r"\brad\b", "rad"),
@@ -75,6 +77,33 @@ UNIT_NAMES: tuple[tuple[str, str], ...] = (
 """Pattern in a name, with blanks for underscores -> unit; the first that can be counts."""
 
 
+_ENDS: dict[str, tuple[str, ...]] = {
+    "radps": ("rad/s",), "rad/s": ("rad/s",), "rad_s": ("rad/s",),
+    "degps": ("deg/s",), "deg/s": ("deg/s",), "deg_s": ("deg/s",), "dps": ("deg/s",),
+    "°/s": ("deg/s",), "rad": ("rad",), "mrad": ("mrad",), "deg": ("deg",), "°": ("deg",),
+    "mps": ("m/s",), "m/s": ("m/s",), "m_s": ("m/s",), "mps2": ("m/s2",), "m/s2": ("m/s2",),
+    "m/s^2": ("m/s2",), "m/s²": ("m/s2",), "kmh": ("km/h",), "km/h": ("km/h",),
+    "km_h": ("km/h",), "kph": ("km/h",), "mph": ("mph",), "kn": ("kN", "kn"), "kt": ("kn",),
+    "kts": ("kn",), "n": ("N",), "dan": ("daN",), "nm": ("Nm",), "knm": ("kNm",),
+    "rpm": ("rpm",), "1/min": ("rpm",), "u/min": ("rpm",), "lph": ("L/h",), "l/h": ("L/h",),
+    "l_h": ("L/h",), "m": ("m",), "cm": ("cm",), "mm": ("mm",), "s": ("s",),
+    "ms": ("ms", "m/s"), "us": ("us",), "ns": ("ns",), "min": ("min",), "pct": ("%",),
+    "percent": ("%",), "%": ("%",), "g": ("g",),
+}  # fmt: skip
+"""Unit at the end of a name, in lower case -> units it may stand for; the first allowed counts."""
+_BRACKETS = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]\s*$")
+_LONGEST_FIRST = "|".join(re.escape(end) for end in sorted(_ENDS, key=len, reverse=True))
+_END = re.compile(rf"[_ ](?!(?<=\bv[_ ])n$)(?!(?<=vel[_ ])n$)({_LONGEST_FIRST})$", re.IGNORECASE)
+"""The `n` of `v_n` and `vel_n` is north."""
+
+OWN_NAMES: dict[str, str] = {
+    f"{section}_{quantity.column}": f"{section}.{key}"
+    for section, keys in QUANTITIES.items()
+    for key, quantity in keys.items()
+}
+"""Column of a stream or a reference, with its sensor before it -> section and key."""
+
+
 def plain(name: str) -> str:
     """A name in lower case, with blanks for underscores, points, brackets and camel humps."""
     humps = re.sub(r"([a-z])([A-Z])", r"\1 \2", name)
@@ -84,20 +113,25 @@ def plain(name: str) -> str:
 def without_unit(name: str) -> str:
     """The name without a unit in brackets or at its end."""
     bare = re.sub(r"[\[(,].*$", "", name).strip()
-    return re.sub(
-        r"_(kmh|mps|mps2|mph|kn|deg|rad|radps|dps|rpm|pct|lph|l_h|m|mm|s|ms|us|ns|n|kn|nm|g)$", "",
-        bare or name, flags=re.IGNORECASE,
-    )  # fmt: skip
+    return _END.sub("", bare or name)
 
 
 def quantity_of(name: str) -> str:
     """Section and key that a name says, or nothing."""
-    text = plain(without_unit(name))
-    return next((key for pattern, key in QUANTITY_NAMES if re.search(pattern, text)), "")
+    if name in OWN_NAMES:
+        return OWN_NAMES[name]
+    texts = (plain(without_unit(name)), plain(name))
+    return next((key for text in texts for pattern, key in QUANTITY_NAMES
+                 if re.search(pattern, text)), "")  # fmt: skip
 
 
 def unit_of(name: str, allowed: tuple[str, ...]) -> str:
-    """The unit that a name says, of those allowed, or nothing."""
+    """The unit that a name says, of those allowed, or nothing; at its end before anywhere else."""
+    end = _BRACKETS.search(name) or _END.search(name)
+    said = _ENDS.get(end[1].lower(), ()) if end else ()
+    at_end = next((unit for unit in said if unit in allowed), "")
+    if at_end:
+        return at_end
     for pattern, unit in UNIT_NAMES:
         folds = unit not in ("kN", "N", "Nm", "kNm")
         if unit in allowed and re.search(

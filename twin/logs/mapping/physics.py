@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from twin.logs.checks.across import mount_across_rad
 from twin.logs.geodesy import enu_m
 from twin.logs.mapping.guessed import Guess, Seen
 from twin.logs.quantities import QUANTITIES
@@ -18,7 +19,7 @@ from twin.streams import Array
 def by_physics(chosen: list[Guess], seen: Mapping[str, Seen]) -> list[Guess]:
     """Units and senses that the numbers confirm or correct."""
     by_key = {f"{g.section}.{g.key}": g for g in chosen}
-    track = _track(by_key, seen)
+    track = track_of(by_key, seen)
     if track is not None:
         time_s, speed, direction = track
         _fit_speed(by_key, "gnss.speed", seen, time_s, speed, 0.1, "positions move so fast")
@@ -32,7 +33,7 @@ def by_physics(chosen: list[Guess], seen: Mapping[str, Seen]) -> list[Guess]:
     return list(by_key.values())
 
 
-def _track(
+def track_of(
     by_key: Mapping[str, Guess], seen: Mapping[str, Seen]
 ) -> tuple[Array, Array, Array] | None:
     """Times, speed and direction (from east) between positions some seconds apart."""
@@ -66,6 +67,23 @@ def _track(
     return middle[good], np.hypot(de, dn)[good] / dt[good], np.arctan2(dn, de)[good]
 
 
+def mount_rad(chosen: Sequence[Guess], seen: Mapping[str, Seen]) -> float | None:
+    """How the antennas are turned, where the heading lies across the track of the positions."""
+    by_key = {f"{g.section}.{g.key}": g for g in chosen}
+    guess, track = by_key.get("gnss.heading"), track_of(by_key, seen)
+    if guess is None or track is None:
+        return None
+    each = seen[guess.signal]
+    known = np.isfinite(each.values)
+    if known.sum() < 2:
+        return None
+    angle = each.values[known] * UNITS["angle"][guess.unit] * guess.sign
+    turned = np.exp(1j * (angle if guess.convention == "east" else math.pi / 2 - angle))
+    time_s, speed, course = track
+    at = np.searchsorted(each.time_s[known], time_s).clip(0, int(known.sum()) - 1)
+    return mount_across_rad(np.angle(turned[at]), course, speed, time_s)
+
+
 def _si(
     by_key: Mapping[str, Guess], key: str, seen: Mapping[str, Seen]
 ) -> tuple[Array, Array] | None:
@@ -84,7 +102,7 @@ def _fit_speed(
 ) -> None:  # fmt: skip
     """The unit with which a speed comes nearest to another."""
     guess = by_key.get(key)
-    if guess is None or len(time_s) < 10:
+    if guess is None or guess.own or len(time_s) < 10:
         return
     each = seen[guess.signal]
     known = np.isfinite(each.values)
@@ -99,6 +117,8 @@ def _fit_speed(
     unit = min(off, key=lambda u: off[u])
     if off[guess.unit] < near:
         by_key[key] = replace(guess, sure=True, why=f"{guess.why}; confirmed, {why}")
+    elif guess.unit_told and off[unit] < near:
+        by_key[key] = replace(guess, sure=False, why=f"{guess.why}; but the {why} in {unit}")
     elif off[unit] < near:
         by_key[key] = replace(guess, unit=unit, sure=False, why=f"the {why} in {unit}")
     else:
@@ -111,7 +131,7 @@ def _fit_angle(
 ) -> None:  # fmt: skip
     """Degrees or radians, from north or from east, whichever goes along the track."""
     guess = by_key.get(key)
-    if guess is None:
+    if guess is None or guess.own:
         return
     each = seen[guess.signal]
     known = np.isfinite(each.values)
@@ -121,7 +141,7 @@ def _fit_angle(
     at = np.searchsorted(each.time_s[known], time_s[moving]).clip(0, int(known.sum()) - 1)
     raw = each.values[known][at]
     fits = {}
-    for unit in ("deg", "rad"):
+    for unit in (guess.unit,) if guess.unit_told else ("deg", "rad"):
         for convention in ("compass", "east"):
             angle = raw * UNITS["angle"][unit]
             angle = math.pi / 2 - angle if convention == "compass" else angle
@@ -143,7 +163,7 @@ def _fit_angle(
 def _fit_yaw(by_key: dict[str, Guess], seen: Mapping[str, Seen]) -> None:
     """Unit and sign of a yaw rate, by how the heading turns."""
     rate, angle = by_key.get("imu.gyro_z"), by_key.get("gnss.heading") or by_key.get("gnss.course")
-    if rate is None or angle is None:
+    if rate is None or angle is None or rate.own:
         return
     turn, gyro = seen[angle.signal], seen[rate.signal]
     known, own = np.isfinite(turn.values), np.isfinite(gyro.values)
@@ -163,7 +183,11 @@ def _fit_yaw(by_key: dict[str, Guess], seen: Mapping[str, Seen]) -> None:
         return
     off = {u: abs(math.log(abs(share) / f)) for u, f in UNITS["angular rate"].items()}
     unit = min(off, key=lambda u: off[u])
-    if off[unit] < 0.3:
+    if rate.unit_told and off[rate.unit] >= 0.3:
+        why = f"{rate.why}; but it does not turn as the heading does"
+        by_key["imu.gyro_z"] = replace(rate, sure=False, why=why)
+    elif off[unit] < 0.3:
+        unit = rate.unit if rate.unit_told else unit
         sign = 1 if share > 0 else -1
         sure = unit == rate.unit and sign == 1
         why = f"turns as the heading does in {unit}" + (", the other way round" if sign < 0 else "")

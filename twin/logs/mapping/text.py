@@ -58,7 +58,8 @@ def map_of(by_file: Mapping[str, Guesses], dbc: tuple[str, ...] = ()) -> str:
             )
     for section, written in sections.items():
         lines += ["", f"[{section}]", *written]
-    return "\n".join([*lines, *_SETUP])
+    mounts = [t.heading_mount_rad for t in by_file.values() if t.heading_mount_rad is not None]
+    return "\n".join([*lines, *_SETUP, *(_mount_lines(mounts[0]) if mounts else ()), ""])
 
 
 _SETUP = (
@@ -68,8 +69,13 @@ _SETUP = (
     "# wheelbase_m = 2.8",
     "# [setup.wheels]",
     "# radius_m = {fl = 0.6, fr = 0.6, rl = 0.8, rr = 0.8}",
-    "",
+    "# counts_per_turn = 100  # of a wheel; ticks give no speed without it",
 )
+
+
+def _mount_lines(mount_rad: float) -> tuple[str, ...]:
+    apart = f"heading and track are {math.degrees(abs(mount_rad)):.0f} deg apart on the move"
+    return "", "[setup.gnss]", f"heading_mount_rad = {mount_rad:.7f}  {UNSURE}{apart}"
 
 
 def _line(key: str, guess: Guess, column: str) -> str:
