@@ -369,7 +369,8 @@ def _zero(raised: float, h: Array, memory: Record) -> None:
 
     When the plough goes down the driven tyres carry less and their radius grows.
     """
-    if raised == 1.0:
+    memory.clear = 1 if raised == 1.0 else 0
+    if memory.clear:
         memory.flags |= RAISED
         if memory.raised == 0:
             memory.raised = 1

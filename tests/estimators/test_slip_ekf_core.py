@@ -243,6 +243,26 @@ def test_what_slower_sensors_said_is_held_in_any_chunks():
     assert np.isnan(whole[0]).all()
 
 
+@pytest.mark.parametrize("chunk", [None, 50])
+def test_what_a_slower_sensor_said_long_ago_is_not_known(chunk):
+    """Silent since the plough was raised, it must not tell that no wheel slips."""
+    made = streams(Drive(duration_s=12.0), setup())
+    t = np.array([0.5, 1.0])
+    machine = stamps(t) | {"draft_pin_n": np.array([1e4, 3e4])}
+    depth = stamps(t) | {"laser_m": np.array([1.2, 1.2])}
+    both = Streams({**made.tables, "machine": machine, "depth": depth})
+    state, parts = dataclasses.replace(start(setup()), zero_m=1.0), []
+    for part in both.chunks(chunk) if chunk else [both]:
+        state, known = held(state, part)
+        parts.append(known)
+    known = np.concatenate(parts)
+    t = seconds(np.sort(np.concatenate([table["epoch_ns"] for table in made.tables.values()])))
+    fresh = (t > 1.0) & (t < 5.99)
+    assert np.all(known[fresh, PLOUGH] == 1.0)
+    assert np.all(known[fresh, FIRST_LOAD] == 3.0)
+    assert np.isnan(known[t > 6.01]).all()
+
+
 def test_a_covariance_stays_one():
     memory, _ = estimated(read_late(streams(DRIVE, setup()), 2e-3))
     p = memory["p"]
