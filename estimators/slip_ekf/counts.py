@@ -11,7 +11,7 @@ from estimators.layout import STALE_S
 from estimators.slip_ekf import learn, motion, rows
 from estimators.slip_ekf.begin import begin
 from estimators.slip_ekf.held import HELD, PLOUGH
-from estimators.slip_ekf.judge import judged
+from estimators.slip_ekf.judge import heard, judged
 from estimators.slip_ekf.layout import (
     BIAS,
     FROM_DRIVEN,
@@ -119,7 +119,7 @@ def take_wheels(
         memory.flags |= ONE_WHEEL
     if math.isfinite(rear):
         memory.rim_mps += min(max(dt, 0.0) / RIM_S, 1.0) * (rear - memory.rim_mps)
-        memory.seen_ns[FROM_DRIVEN], memory.seen_mps[FROM_DRIVEN] = signal.epoch_ns, rear
+        heard(NUMBER[FROM_DRIVEN], signal.epoch_ns, rear, memory)
     _stand(rear, front, h, memory)
     if tau > 0.0:
         front += pitched / (2.0 * tau) * radius(nominal, 1.0)
@@ -127,7 +127,7 @@ def take_wheels(
         restart(memory, NUMBER[READING], memory.jitter_var)
     spans = age == 0.0 and abs(2.0 * tau - dt) < 1e-6
     if math.isfinite(front):
-        memory.seen_ns[FROM_TOWED], memory.seen_mps[FROM_TOWED] = signal.epoch_ns, front / way
+        heard(NUMBER[FROM_TOWED], signal.epoch_ns, front / way, memory)
     _take_front(age, tau, spans, front, front_var, front_turn, h, tuning, memory)
     _take_rear(age, tau, spans, rear, rear_var, dt, h, tuning, memory)
     _take_accel(signal, dt, h, memory)

@@ -20,7 +20,7 @@ from estimators.layout import (
 )
 from estimators.slip_ekf import learn, motion, rows
 from estimators.slip_ekf.counts import take_wheels
-from estimators.slip_ekf.judge import doubt, felt, judged
+from estimators.slip_ekf.judge import doubt, felt, heard, judged
 from estimators.slip_ekf.layout import (
     ACROSS,
     BIAS,
@@ -109,6 +109,8 @@ def advance(
         memory.known = 0
         memory.spans[0] = memory.spans[1] = 0
         memory.first_mps = np.nan
+        memory.refused_ns[:] = -1
+        memory.lean_ns = -1
         memory.flags |= RESTARTED
     elif memory.time_ns >= 0 and dt > 0.0 and memory.known:
         memory.travelled_m += memory.x[V] * dt
@@ -184,7 +186,7 @@ def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Rec
         return
     if _is_carried(signal.horizontal_mps, signal.epoch_ns, memory):
         return
-    memory.seen_ns[FROM_GNSS], memory.seen_mps[FROM_GNSS] = signal.epoch_ns, speed
+    heard(NUMBER[FROM_GNSS], signal.epoch_ns, speed, memory)
     if not memory.known:
         memory.first_mps, memory.first_var = speed, sd**2 + age**2
         memory.measured_ns = signal.epoch_ns
@@ -246,7 +248,7 @@ def _take_camera(signal: Record, age: float, h: Array, tuning: Record, memory: R
     speed = signal.v_x_mps
     if not (math.isfinite(speed) and math.isfinite(signal.v_sd_mps)):
         return
-    memory.seen_ns[FROM_CAMERA], memory.seen_mps[FROM_CAMERA] = signal.epoch_ns, speed
+    heard(NUMBER[FROM_CAMERA], signal.epoch_ns, speed, memory)
     white = signal.v_sd_mps**2 + (CAMERA_SD * speed) ** 2
     learn.camera_walk(speed, signal.epoch_ns, tuning.camera_psd, memory)
     if not memory.known:

@@ -110,9 +110,9 @@ accelerations, newest first; `pitch_*`: how the body has turned nose down, and h
 sample.
 
 `clear`: 1 while the plough is known to be raised; `raised`: 1 if it was when that was last known;
-`lowered`: 1 once it has been in the ground; `slip_var`: variance of slip about the usual one, learnt
-for `slip_s`; `mean_load`, `line`, `line_p`: the mean loads, the line from them to slip, and its
-covariance; `camera_*`: density of the walk of a camera's scale, and the scales that is learnt from.
+`lowered`: 1 once it has been in the ground; `slip_var`: variance of slip about the usual one,
+learnt for `slip_s`; `mean_load`, `line`, `line_p`: the mean loads, the line from them to slip, and
+its covariance; `camera_*`: density of the walk of a camera's scale, and what that is learnt from.
 `keeps`: 1 for a smoother, which needs what measurements have `gained` and `lost` of mean and
 covariance since the last prediction, and which states were `cut` off then."""
 

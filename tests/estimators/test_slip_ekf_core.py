@@ -5,9 +5,25 @@ import dataclasses
 import numpy as np
 import pytest
 
+from estimators.layout import GNSS, NOMINAL, SIGNALS, blank, nominal
 from estimators.slip_ekf import SLIP_EKF, motion, rows
+from estimators.slip_ekf.filter import measure
 from estimators.slip_ekf.held import FIRST_LOAD, HELD, PLOUGH, held, start
-from estimators.slip_ekf.layout import CAMERA, RADIUS, REAR, SIZE, TOWED, USUAL, V, W
+from estimators.slip_ekf.layout import (
+    CAMERA,
+    FROM_DRIVEN,
+    FROM_GNSS,
+    FROM_TOWED,
+    RADIUS,
+    REAR,
+    SIZE,
+    TOWED,
+    USUAL,
+    V,
+    W,
+    first_memory,
+)
+from estimators.slip_ekf.report import _conflict
 from twin.streams import Streams
 from twin.testing.drives import Drive, derivative, seconds, setup, stamps, streams, times
 
@@ -261,6 +277,61 @@ def test_what_a_slower_sensor_said_long_ago_is_not_known(chunk):
     assert np.all(known[fresh, PLOUGH] == 1.0)
     assert np.all(known[fresh, FIRST_LOAD] == 3.0)
     assert np.isnan(known[t > 6.01]).all()
+
+
+def at_speed(time_s=20.0, speed_mps=2.0):
+    """A memory that knows the speed well, as the towed wheels and an accelerometer tell it."""
+    memory = first_memory(0.03)[0]
+    memory["known"], memory["time_ns"] = 1, round(time_s * 1e9)
+    memory["x"][[V, W]], memory["rim_mps"] = speed_mps, speed_mps
+    memory["p"] = 1e-3 * np.eye(SIZE)
+    memory["accel_count"], memory["accel_ns"] = 1, memory["time_ns"]
+    for source in (FROM_TOWED, FROM_DRIVEN):
+        memory["seen_ns"][source], memory["seen_mps"][source] = memory["time_ns"], speed_mps
+    return memory
+
+
+def one_signal(sensor, epoch_ns, **values):
+    signal = blank(SIGNALS, 1)[0]
+    signal["sensor"], signal["epoch_ns"], signal["flags"] = sensor, epoch_ns, 0
+    signal["yaw_rate_radps"] = signal["pitch_rate_radps"] = 0.0
+    for name, value in values.items():
+        signal[name] = value
+    return signal
+
+
+def measured(signal, memory, of=None):
+    """Have the filter take a sample, and nothing of the plough or the load."""
+    nominal_values = np.array([nominal(of or setup())], NOMINAL)[0]
+    measure(signal, np.full(HELD, np.nan), np.zeros(SIZE), nominal_values, TUNING, memory)
+
+
+def test_what_gnss_was_off_by_before_an_outage_is_forgotten():
+    """Its first sample then is refused as any other is, and not believed at once."""
+    memory = at_speed()
+    memory["seen_ns"][FROM_GNSS], memory["refused_ns"][FROM_GNSS] = 5_000_000_000, 4_000_000_000
+    memory["seen_mps"][FROM_GNSS], memory["off_mps"][FROM_GNSS] = 2.8, 0.8
+    assert _conflict(memory) == 0.0
+    told = {"v_x_mps": 1.0, "horizontal_mps": 1.0, "v_sd_mps": 0.03}
+    measured(one_signal(GNSS, memory["time_ns"], **told), memory)
+    assert memory["x"][V] == 2.0
+    assert memory["refused_ns"][FROM_GNSS] == memory["time_ns"]
+    assert memory["off_mps"][FROM_GNSS] == -1.0
+
+
+def test_a_restart_forgets_what_was_refused():
+    state = SLIP_EKF.init(setup())
+    made = streams(DRIVE, setup())
+    memory = state.memory[0]
+    memory["refused_ns"], memory["lean_ns"] = 5, 5
+    memory["time_ns"], memory["known"] = 10, 1
+    late = {
+        sensor: table | {name: table[name] + 10**10 for name in ("epoch_ns", "arrival_ns")}
+        for sensor, table in made.tables.items()
+    }
+    after, _ = SLIP_EKF.run(state, Streams(late).samples(0, 1))
+    assert np.all(after.memory[0]["refused_ns"] == -1)
+    assert after.memory[0]["lean_ns"] == -1
 
 
 def test_a_covariance_stays_one():
