@@ -271,7 +271,7 @@ def _take_imu(
     signal: Record, age: float, h: Array, nominal: Record, tuning: Record, memory: Record
 ) -> None:
     """An acceleration; how the gyro turns the body since the last one is known, and not learnt."""
-    accel = signal.accel_x_mps2
+    accel, leaking = signal.accel_x_mps2, nominal.gravity * GRAVITY_MPS2
     dt = (signal.epoch_ns - memory.imu_ns) * 1e-9
     rate = signal.pitch_rate_radps
     fresh = memory.imu_ns >= 0 and 0.0 < dt < GYRO_GAP_S
@@ -282,9 +282,9 @@ def _take_imu(
     if memory.known and math.isfinite(signal.gyro_y_radps):
         if math.isfinite(memory.gyro):
             tilt = 0.5 * (memory.gyro + signal.gyro_y_radps) * min(max(dt, 0.0), 0.1)
-            memory.x[BIAS] -= GRAVITY_MPS2 * tilt
+            memory.x[BIAS] -= leaking * tilt
         else:
-            restart(memory, NUMBER[TILTING], (GRAVITY_MPS2 * GYRO_BIAS_SD_RADPS) ** 2)
+            restart(memory, NUMBER[TILTING], (leaking * GYRO_BIAS_SD_RADPS) ** 2)
         memory.gyro = signal.gyro_y_radps
         # the unit stands above the axle: pitching moves it
         accel -= memory.pitch_accel * nominal.imu_m[2]
@@ -293,7 +293,7 @@ def _take_imu(
         memory.imu_ns = signal.epoch_ns
         return
     floor = nominal.accel_sd_mps2 if math.isfinite(nominal.accel_sd_mps2) else 0.0
-    level = accel + nominal.gravity * GRAVITY_MPS2 * memory.pitch_rad
+    level = accel + leaking * memory.pitch_rad
     white = learn.accel_var(level, signal.epoch_ns, max(floor, ACCEL_FLOOR_MPS2) ** 2, memory)
     memory.imu_ns = signal.epoch_ns
     if not memory.known:

@@ -5,11 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from estimators.layout import GNSS, NOMINAL, SIGNALS, blank, nominal
+from estimators.layout import GNSS, IMU, NOMINAL, SIGNALS, blank, nominal
 from estimators.slip_ekf import SLIP_EKF, motion, rows
 from estimators.slip_ekf.filter import measure
 from estimators.slip_ekf.held import FIRST_LOAD, HELD, PLOUGH, held, start
 from estimators.slip_ekf.layout import (
+    BIAS,
     CAMERA,
     FROM_DRIVEN,
     FROM_GNSS,
@@ -17,6 +18,7 @@ from estimators.slip_ekf.layout import (
     RADIUS,
     REAR,
     SIZE,
+    TILTING,
     TOWED,
     USUAL,
     V,
@@ -332,6 +334,23 @@ def test_a_restart_forgets_what_was_refused():
     after, _ = SLIP_EKF.run(state, Streams(late).samples(0, 1))
     assert np.all(after.memory[0]["refused_ns"] == -1)
     assert after.memory[0]["lean_ns"] == -1
+
+
+def turned_bias(steps_s, rate_radps=0.2, gravity=True):
+    """Bias and its variance [m/s2] after a body turns nose down, as a gyro tells at such steps."""
+    of = setup()
+    of = dataclasses.replace(of, imu=dataclasses.replace(of.imu, gravity=gravity))
+    memory, t = at_speed(), 20.0
+    for step_s in (0.0, *steps_s):
+        t += step_s
+        memory["time_ns"] = round(t * 1e9)
+        measured(one_signal(IMU, memory["time_ns"], gyro_y_radps=rate_radps), memory, of)
+    return memory["x"][BIAS], memory["p"][BIAS, BIAS], memory["p"][TILTING, TILTING]
+
+
+def test_gravity_that_does_not_leak_is_not_turned():
+    assert turned_bias([0.02] * 10)[0] == pytest.approx(-9.81 * 0.04)
+    assert turned_bias([0.02] * 10, gravity=False) == (0.0, 1e-3, 0.0)
 
 
 def test_a_covariance_stays_one():
