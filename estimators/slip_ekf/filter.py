@@ -280,11 +280,13 @@ def _take_imu(
         memory.pitch_rad += 0.5 * (memory.pitch_rate + rate) * dt
     memory.pitch_rate = rate
     if memory.known and math.isfinite(signal.gyro_y_radps):
-        if math.isfinite(memory.gyro):
-            tilt = 0.5 * (memory.gyro + signal.gyro_y_radps) * min(max(dt, 0.0), 0.1)
-            memory.x[BIAS] -= leaking * tilt
-        else:
+        if not math.isfinite(memory.gyro):
             restart(memory, NUMBER[TILTING], (leaking * GYRO_BIAS_SD_RADPS) ** 2)
+        elif fresh:
+            tilt = 0.5 * (memory.gyro + signal.gyro_y_radps) * dt
+            memory.x[BIAS] -= leaking * tilt
+        else:  # nobody knows how the body turned
+            memory.p[BIAS, BIAS] += (nominal.gravity * tuning.leak_sd) ** 2
         memory.gyro = signal.gyro_y_radps
         # the unit stands above the axle: pitching moves it
         accel -= memory.pitch_accel * nominal.imu_m[2]

@@ -353,6 +353,20 @@ def test_gravity_that_does_not_leak_is_not_turned():
     assert turned_bias([0.02] * 10, gravity=False) == (0.0, 1e-3, 0.0)
 
 
+@pytest.mark.parametrize("step_s", [0.02, 0.2, 0.4])
+def test_a_slow_gyro_turns_the_body_as_far(step_s):
+    bias, variance, _ = turned_bias([step_s] * 3)
+    assert bias == pytest.approx(-9.81 * 0.2 * 3 * step_s)
+    assert variance == 1e-3
+
+
+def test_after_a_gap_of_the_gyro_the_body_s_pitch_is_as_unknown_as_at_first():
+    bias, variance, _ = turned_bias([2.0])
+    assert bias == 0.0
+    assert variance == pytest.approx(1e-3 + SLIP_EKF.leak_sd**2)
+    assert turned_bias([2.0], gravity=False)[1] == 1e-3
+
+
 def test_a_covariance_stays_one():
     memory, _ = estimated(read_late(streams(DRIVE, setup()), 2e-3))
     p = memory["p"]
