@@ -81,12 +81,13 @@ def read(
             _matrix(used, "wheels", WHEEL_COLUMNS),
             _matrix(used, "camera", CAMERA_COLUMNS),
         )
-        signals["sensor"], signals["epoch_ns"] = sensor, _epochs(used, sensor, row)
+        signals["sensor"], signals["epoch_ns"] = sensor, epochs(used, sensor, row)
         _read(row, gnss, imu, wheels, camera, reader.nominal[0], memory[0], signals)
     return Reader(reader.nominal, memory), signals
 
 
-def _epochs(chunk: Streams, sensor: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.int64]:
+def epochs(chunk: Streams, sensor: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Epoch of each sample in the order of `Streams.merge_order`, which gives the rest [ns]."""
     epochs = np.zeros(len(sensor), np.int64)
     for index, name in enumerate(COLUMNS):
         if name in chunk and len(chunk[name]["epoch_ns"]):

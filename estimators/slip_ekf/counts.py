@@ -11,7 +11,7 @@ from estimators.layout import STALE_S
 from estimators.slip_ekf import learn, motion, rows
 from estimators.slip_ekf.begin import begin
 from estimators.slip_ekf.held import HELD, PLOUGH
-from estimators.slip_ekf.judge import judged
+from estimators.slip_ekf.judge import heard, judged
 from estimators.slip_ekf.layout import (
     BIAS,
     FROM_DRIVEN,
@@ -119,7 +119,7 @@ def take_wheels(
         memory.flags |= ONE_WHEEL
     if math.isfinite(rear):
         memory.rim_mps += min(max(dt, 0.0) / RIM_S, 1.0) * (rear - memory.rim_mps)
-        memory.seen_ns[FROM_DRIVEN], memory.seen_mps[FROM_DRIVEN] = signal.epoch_ns, rear
+        heard(NUMBER[FROM_DRIVEN], signal.epoch_ns, rear, memory)
     _stand(rear, front, h, memory)
     if tau > 0.0:
         front += pitched / (2.0 * tau) * radius(nominal, 1.0)
@@ -127,7 +127,7 @@ def take_wheels(
         restart(memory, NUMBER[READING], memory.jitter_var)
     spans = age == 0.0 and abs(2.0 * tau - dt) < 1e-6
     if math.isfinite(front):
-        memory.seen_ns[FROM_TOWED], memory.seen_mps[FROM_TOWED] = signal.epoch_ns, front / way
+        heard(NUMBER[FROM_TOWED], signal.epoch_ns, front / way, memory)
     _take_front(age, tau, spans, front, front_var, front_turn, h, tuning, memory)
     _take_rear(age, tau, spans, rear, rear_var, dt, h, tuning, memory)
     _take_accel(signal, dt, h, memory)
@@ -247,7 +247,10 @@ def _take_front(
     age: float, tau: float, spans: bool, speed: float, var: float, front_turn: float, h: Array,
     tuning: Record, memory: Record,
 ) -> None:  # fmt: skip
-    """Counted travel of the towed wheels where it is unbroken, else their speed."""
+    """Counted travel of the towed wheels where it is unbroken, else their speed.
+
+    A late sample is no origin: the travel since its own epoch is not known.
+    """
     memory.off_towed = math.nan
     if not (math.isfinite(speed) and math.isfinite(var)):
         memory.spans[1] = 0
@@ -268,7 +271,7 @@ def _take_front(
         travels = False
     if not travels and tau > 0.0:
         restart(memory, NUMBER[FRONT], count_var + speed**2 * memory.jitter_var)
-        memory.spans[1] = 1
+        memory.spans[1] = 1 if age == 0.0 else 0
 
 
 @array_law
@@ -309,7 +312,7 @@ def _take_rear(
         memory.x[REAR] -= counted
     elif tau > 0.0:
         restart(memory, NUMBER[REAR], count_var + speed**2 * memory.jitter_var)
-        memory.spans[0] = 1
+        memory.spans[0] = 1 if age == 0.0 else 0
 
 
 @array_law
@@ -369,7 +372,8 @@ def _zero(raised: float, h: Array, memory: Record) -> None:
 
     When the plough goes down the driven tyres carry less and their radius grows.
     """
-    if raised == 1.0:
+    memory.clear = 1 if raised == 1.0 else 0
+    if memory.clear:
         memory.flags |= RAISED
         if memory.raised == 0:
             memory.raised = 1

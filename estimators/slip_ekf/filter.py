@@ -20,7 +20,7 @@ from estimators.layout import (
 )
 from estimators.slip_ekf import learn, motion, rows
 from estimators.slip_ekf.counts import take_wheels
-from estimators.slip_ekf.judge import doubt, felt, judged
+from estimators.slip_ekf.judge import doubt, felt, heard, judged
 from estimators.slip_ekf.layout import (
     ACROSS,
     BIAS,
@@ -109,6 +109,8 @@ def advance(
         memory.known = 0
         memory.spans[0] = memory.spans[1] = 0
         memory.first_mps = np.nan
+        memory.refused_ns[:] = -1
+        memory.lean_ns = -1
         memory.flags |= RESTARTED
     elif memory.time_ns >= 0 and dt > 0.0 and memory.known:
         memory.travelled_m += memory.x[V] * dt
@@ -184,9 +186,9 @@ def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Rec
         return
     if _is_carried(signal.horizontal_mps, signal.epoch_ns, memory):
         return
-    memory.seen_ns[FROM_GNSS], memory.seen_mps[FROM_GNSS] = signal.epoch_ns, speed
+    heard(NUMBER[FROM_GNSS], signal.epoch_ns, speed, memory)
     if not memory.known:
-        memory.first_mps, memory.first_var = speed, sd**2 + age**2
+        memory.first_mps, memory.first_var, memory.first_ns = speed, sd**2, signal.epoch_ns
         memory.measured_ns = signal.epoch_ns
         return
     error = speed - rows.gnss(memory.x, age, h)
@@ -246,12 +248,13 @@ def _take_camera(signal: Record, age: float, h: Array, tuning: Record, memory: R
     speed = signal.v_x_mps
     if not (math.isfinite(speed) and math.isfinite(signal.v_sd_mps)):
         return
-    memory.seen_ns[FROM_CAMERA], memory.seen_mps[FROM_CAMERA] = signal.epoch_ns, speed
+    heard(NUMBER[FROM_CAMERA], signal.epoch_ns, speed, memory)
     white = signal.v_sd_mps**2 + (CAMERA_SD * speed) ** 2
     learn.camera_walk(speed, signal.epoch_ns, tuning.camera_psd, memory)
     if not memory.known:
-        if not math.isfinite(memory.first_mps):
-            memory.first_mps = speed
+        waited_s = (signal.epoch_ns - memory.first_ns) * 1e-9
+        if not math.isfinite(memory.first_mps) or waited_s > STALE_S:
+            memory.first_mps, memory.first_ns = speed, signal.epoch_ns
             memory.first_var = white + (tuning.scale_sd * speed) ** 2
         return
     error = speed - rows.camera(memory.x, age, h)
@@ -269,7 +272,7 @@ def _take_imu(
     signal: Record, age: float, h: Array, nominal: Record, tuning: Record, memory: Record
 ) -> None:
     """An acceleration; how the gyro turns the body since the last one is known, and not learnt."""
-    accel = signal.accel_x_mps2
+    accel, leaking = signal.accel_x_mps2, nominal.gravity * GRAVITY_MPS2
     dt = (signal.epoch_ns - memory.imu_ns) * 1e-9
     rate = signal.pitch_rate_radps
     fresh = memory.imu_ns >= 0 and 0.0 < dt < GYRO_GAP_S
@@ -278,11 +281,13 @@ def _take_imu(
         memory.pitch_rad += 0.5 * (memory.pitch_rate + rate) * dt
     memory.pitch_rate = rate
     if memory.known and math.isfinite(signal.gyro_y_radps):
-        if math.isfinite(memory.gyro):
-            tilt = 0.5 * (memory.gyro + signal.gyro_y_radps) * min(max(dt, 0.0), 0.1)
-            memory.x[BIAS] -= GRAVITY_MPS2 * tilt
-        else:
-            restart(memory, NUMBER[TILTING], (GRAVITY_MPS2 * GYRO_BIAS_SD_RADPS) ** 2)
+        if not math.isfinite(memory.gyro):
+            restart(memory, NUMBER[TILTING], (leaking * GYRO_BIAS_SD_RADPS) ** 2)
+        elif fresh:
+            tilt = 0.5 * (memory.gyro + signal.gyro_y_radps) * dt
+            memory.x[BIAS] -= leaking * tilt
+        else:  # nobody knows how the body turned
+            memory.p[BIAS, BIAS] += (nominal.gravity * tuning.leak_sd) ** 2
         memory.gyro = signal.gyro_y_radps
         # the unit stands above the axle: pitching moves it
         accel -= memory.pitch_accel * nominal.imu_m[2]
@@ -291,7 +296,7 @@ def _take_imu(
         memory.imu_ns = signal.epoch_ns
         return
     floor = nominal.accel_sd_mps2 if math.isfinite(nominal.accel_sd_mps2) else 0.0
-    level = accel + nominal.gravity * GRAVITY_MPS2 * memory.pitch_rad
+    level = accel + leaking * memory.pitch_rad
     white = learn.accel_var(level, signal.epoch_ns, max(floor, ACCEL_FLOOR_MPS2) ** 2, memory)
     memory.imu_ns = signal.epoch_ns
     if not memory.known:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.layout import STALE_S
+from estimators.signals import epochs
 from twin.streams import COLUMNS, Setup, Streams
 
 CLEAR_M, DOWN_M = -0.05, 0.03
@@ -32,15 +34,18 @@ class Held:
     values: NDArray[np.float64]
     """1 with the plough out of the ground, 0 in it, NaN unknown; then the loads over what they vary
     by, NaN unknown. Shape (HELD,)."""
+    told_ns: NDArray[np.int64]
+    """Epochs of the samples that told them [ns], (HELD,)."""
 
 
 def start(setup: Setup) -> Held:
     """Nothing known yet."""
-    return Held(setup.depth.zero_m if setup.depth else np.nan, np.full(HELD, np.nan))
+    zero_m = setup.depth.zero_m if setup.depth else np.nan
+    return Held(zero_m, np.full(HELD, np.nan), np.full(HELD, -1, np.int64))
 
 
 def held(state: Held, chunk: Streams) -> tuple[Held, NDArray[np.float64]]:
-    """What was known when each sample arrived.
+    """What was known when each sample arrived; nothing that is older than it by over `STALE_S`.
 
     depth = zero - laser cos(inclination)
 
@@ -62,8 +67,12 @@ def held(state: Held, chunk: Streams) -> tuple[Held, NDArray[np.float64]]:
     fresh[1:, FIRST_LOAD:] &= np.isfinite(told[1:, FIRST_LOAD:])
     newest = np.maximum.accumulate(np.where(fresh, np.arange(len(told))[:, None], 0), axis=0)
     known = np.take_along_axis(told, newest, axis=0)
+    epoch_ns = np.append(np.int64(-1), epochs(used, sensor, row))
+    told_ns = np.where(newest == 0, state.told_ns, epoch_ns[newest])
+    after = replace(state, values=known[-1].copy(), told_ns=told_ns[-1].copy())
+    known[epoch_ns[:, None] - told_ns > STALE_S * 1e9] = np.nan
     faster = np.isin(sensor, [tuple(COLUMNS).index(s) for s in USED])
-    return replace(state, values=known[-1].copy()), np.ascontiguousarray(known[1:][faster])
+    return after, np.ascontiguousarray(known[1:][faster])
 
 
 def _raised(used: Streams, zero_m: float) -> dict[int, NDArray[np.float64]]:

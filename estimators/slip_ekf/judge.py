@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from estimators.kalman import Array, Record
+from estimators.layout import STALE_S
 from estimators.slip_ekf.consensus import cost
 from estimators.slip_ekf.layout import (
     BIAS,
@@ -32,6 +33,16 @@ BACK = 0.5
 """Once refused, a speed is taken again within this share of the gate."""
 SLOW_MPS, MOST_SHARE = 0.5, 0.1
 """Below this speed an error says little of a scale, and none is off by more at once."""
+
+
+@array_law
+def heard(source: int, epoch_ns: int, speed: float, memory: Record) -> None:
+    """A source gives a ground speed; what it was off by before a silence is forgotten."""
+    if memory.seen_ns[source] >= 0 and epoch_ns - memory.seen_ns[source] > STALE_S * 1e9:
+        memory.refused_ns[source] = -1
+        if source == FROM_GNSS:
+            memory.lean_ns = -1
+    memory.seen_ns[source], memory.seen_mps[source] = epoch_ns, speed
 
 
 @array_law

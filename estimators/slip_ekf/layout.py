@@ -59,7 +59,7 @@ MEMORY = np.dtype(
     [
         ("x", "f8", SIZE), ("p", "f8", (SIZE, SIZE)), ("known", "i8"), ("flags", "i8"),
         ("time_ns", "i8"), ("measured_ns", "i8"), ("wheels_ns", "i8"), ("imu_ns", "i8"),
-        ("first_mps", "f8"), ("first_var", "f8"),
+        ("first_mps", "f8"), ("first_var", "f8"), ("first_ns", "i8"),
         # by source
         ("seen_ns", "i8", SOURCES), ("seen_mps", "f8", SOURCES), ("refused_ns", "i8", SOURCES),
         ("off_mps", "f8", SOURCES), ("excess", "f8", SOURCES), ("white_ns", "i8", SOURCES),
@@ -79,7 +79,7 @@ MEMORY = np.dtype(
         ("gyro", "f8"), ("pitch_rad", "f8"), ("pitch_rate", "f8"), ("pitch_accel", "f8"),
         ("pitch_held_rad", "f8"), ("travelled_m", "f8"),
         # slip, load and camera
-        ("raised", "i8"), ("lowered", "i8"), ("slip_var", "f8"), ("slip_s", "f8"),
+        ("clear", "i8"), ("raised", "i8"), ("lowered", "i8"), ("slip_var", "f8"), ("slip_s", "f8"),
         ("mean_load", "f8", HELD), ("line", "f8", HELD), ("line_p", "f8", (HELD, HELD)),
         ("camera_psd", "f8"), ("camera_scale", "f8", 2), ("camera_ns", "i8"),
         # for a smoother
@@ -88,6 +88,8 @@ MEMORY = np.dtype(
     align=True,
 )  # fmt: skip
 """A plain value.
+
+`first_*`: a ground speed from before the filter knows one, its variance, and its epoch.
 
 By source: `seen_*` when it last spoke, and the ground speed it gave; `refused_ns` since when it is
 refused, `off_mps` by how much on average; `excess` the factor of its lasting error's variance;
@@ -109,11 +111,12 @@ motion, where no accelerometer tells it; `off_towed`: last e / sqrt(S) of the to
 accelerations, newest first; `pitch_*`: how the body has turned nose down, and had at the last wheel
 sample.
 
-`slip_var`: variance of slip about the usual one, learnt for `slip_s`; `mean_load`, `line`,
-`line_p`: the mean loads, the line from them to slip, and its covariance; `camera_*`: density of the
-walk of a camera's scale, and the scales that is learnt from. `keeps`: 1 for a smoother, which needs
-what measurements have `gained` and `lost` of mean and covariance since the last prediction, and
-which states were `cut` off then."""
+`clear`: 1 while the plough is known to be raised; `raised`: 1 if it was when that was last known;
+`lowered`: 1 once it has been in the ground; `slip_var`: variance of slip about the usual one,
+learnt for `slip_s`; `mean_load`, `line`, `line_p`: the mean loads, the line from them to slip, and
+its covariance; `camera_*`: density of the walk of a camera's scale, and what that is learnt from.
+`keeps`: 1 for a smoother, which needs what measurements have `gained` and `lost` of mean and
+covariance since the last prediction, and which states were `cut` off then."""
 
 
 def first_memory(jerk_psd: float) -> NDArray[Any]:
@@ -122,7 +125,7 @@ def first_memory(jerk_psd: float) -> NDArray[Any]:
     for name in MEMORY.names or ():
         if name.endswith("_ns"):
             memory[name] = -1
-    memory["white_last"] = np.nan
+    memory["white_last"] = memory["mean_load"] = np.nan
     memory["first_mps"] = memory["repeated_mps"] = memory["gyro"] = np.nan
     memory["interval_s"] = memory["excess"] = memory["spin"] = memory["unrest"] = 1.0
     memory["jerk_psd"] = jerk_psd

@@ -84,7 +84,8 @@ def report(row: Record, signal: Record, nominal: Record, memory: Record) -> None
 @array_law
 def _conflict(memory: Record) -> float:
     """How far GNSS is refused, where the other sources do not speak for the estimate [m/s]."""
-    if memory.refused_ns[FROM_GNSS] < 0:
+    since = (memory.time_ns - memory.seen_ns[FROM_GNSS]) * 1e-9
+    if memory.refused_ns[FROM_GNSS] < 0 or since > STALE_S:
         return 0.0
     said = memory.seen_mps[FROM_GNSS]
     if cost(memory.x[V], NUMBER[FROM_GNSS], memory) < cost(said, NUMBER[FROM_GNSS], memory):

@@ -61,7 +61,7 @@ def in_the_air(wheels: Array, apart: float, was: int, nominal: Record) -> int:
     """1 more than the place of the towed wheel that is in the air and coasts down, 0 for none.
 
     A towed wheel skids and does not spin: of two that differ by more than turning explains, the
-    slower is in the air.
+    slower is in the air, whichever way they turn.
 
     Args:
         wheels: speeds [m/s], (4,), NaN where there is none.
@@ -70,12 +70,12 @@ def in_the_air(wheels: Array, apart: float, was: int, nominal: Record) -> int:
         nominal: record of `layout.NOMINAL`.
     """
     left = 0 if nominal.driven[2] else 2
-    faster = max(wheels[left], wheels[left + 1])
-    if nominal.driven[left] or nominal.driven[left + 1] or not math.isfinite(faster):
+    both = wheels[left] + wheels[left + 1]
+    if nominal.driven[left] or nominal.driven[left + 1] or not math.isfinite(both):
         return was
-    least = max(abs(faster), MOVING_MPS)
+    least = max(abs(wheels[left]), abs(wheels[left + 1]), MOVING_MPS)
     if abs(apart) > LIFTED * least:
-        return 1 + (left if apart > 0.0 else left + 1)
+        return 1 + (left if apart * both > 0.0 else left + 1)
     return 0 if abs(apart) < DOWN * least else was
 
 

@@ -5,9 +5,29 @@ import dataclasses
 import numpy as np
 import pytest
 
+from estimators.layout import CAMERA as CAMERA_SENSOR
+from estimators.layout import GNSS, IMU, NOMINAL, SIGNALS, WHEELS, blank, nominal
 from estimators.slip_ekf import SLIP_EKF, motion, rows
+from estimators.slip_ekf.filter import measure
 from estimators.slip_ekf.held import FIRST_LOAD, HELD, PLOUGH, held, start
-from estimators.slip_ekf.layout import CAMERA, RADIUS, REAR, SIZE, TOWED, USUAL, V, W
+from estimators.slip_ekf.layout import (
+    BIAS,
+    CAMERA,
+    FROM_DRIVEN,
+    FROM_GNSS,
+    FROM_TOWED,
+    RADIUS,
+    REAR,
+    SIZE,
+    TILTING,
+    TOWED,
+    USUAL,
+    V,
+    W,
+    first_memory,
+)
+from estimators.slip_ekf.load import centred, learn_line
+from estimators.slip_ekf.report import _conflict
 from twin.streams import Streams
 from twin.testing.drives import Drive, derivative, seconds, setup, stamps, streams, times
 
@@ -241,6 +261,199 @@ def test_what_slower_sensors_said_is_held_in_any_chunks():
     assert {1.0, 3.0, 2.0} == set(whole[np.isfinite(whole[:, FIRST_LOAD]), FIRST_LOAD])
     assert {1.0, 0.0} == set(whole[np.isfinite(whole[:, PLOUGH]), PLOUGH])
     assert np.isnan(whole[0]).all()
+
+
+@pytest.mark.parametrize("chunk", [None, 50])
+def test_what_a_slower_sensor_said_long_ago_is_not_known(chunk):
+    """Silent since the plough was raised, it must not tell that no wheel slips."""
+    made = streams(Drive(duration_s=12.0), setup())
+    t = np.array([0.5, 1.0])
+    machine = stamps(t) | {"draft_pin_n": np.array([1e4, 3e4])}
+    depth = stamps(t) | {"laser_m": np.array([1.2, 1.2])}
+    both = Streams({**made.tables, "machine": machine, "depth": depth})
+    state, parts = dataclasses.replace(start(setup()), zero_m=1.0), []
+    for part in both.chunks(chunk) if chunk else [both]:
+        state, known = held(state, part)
+        parts.append(known)
+    known = np.concatenate(parts)
+    t = seconds(np.sort(np.concatenate([table["epoch_ns"] for table in made.tables.values()])))
+    fresh = (t > 1.0) & (t < 5.99)
+    assert np.all(known[fresh, PLOUGH] == 1.0)
+    assert np.all(known[fresh, FIRST_LOAD] == 3.0)
+    assert np.isnan(known[t > 6.01]).all()
+
+
+def at_speed(time_s=20.0, speed_mps=2.0):
+    """A memory that knows the speed well, as the towed wheels and an accelerometer tell it."""
+    memory = first_memory(0.03)[0]
+    memory["known"], memory["time_ns"] = 1, round(time_s * 1e9)
+    memory["x"][[V, W]], memory["rim_mps"] = speed_mps, speed_mps
+    memory["p"] = 1e-3 * np.eye(SIZE)
+    memory["accel_count"], memory["accel_ns"] = 1, memory["time_ns"]
+    for source in (FROM_TOWED, FROM_DRIVEN):
+        memory["seen_ns"][source], memory["seen_mps"][source] = memory["time_ns"], speed_mps
+    return memory
+
+
+def one_signal(sensor, epoch_ns, **values):
+    signal = blank(SIGNALS, 1)[0]
+    signal["sensor"], signal["epoch_ns"], signal["flags"] = sensor, epoch_ns, 0
+    signal["yaw_rate_radps"] = signal["pitch_rate_radps"] = 0.0
+    for name, value in values.items():
+        signal[name] = value
+    return signal
+
+
+def measured(signal, memory, of=None):
+    """Have the filter take a sample, and nothing of the plough or the load."""
+    nominal_values = np.array([nominal(of or setup())], NOMINAL)[0]
+    measure(signal, np.full(HELD, np.nan), np.zeros(SIZE), nominal_values, TUNING, memory)
+
+
+def test_what_gnss_was_off_by_before_an_outage_is_forgotten():
+    """Its first sample then is refused as any other is, and not believed at once."""
+    memory = at_speed()
+    memory["seen_ns"][FROM_GNSS], memory["refused_ns"][FROM_GNSS] = 5_000_000_000, 4_000_000_000
+    memory["seen_mps"][FROM_GNSS], memory["off_mps"][FROM_GNSS] = 2.8, 0.8
+    assert _conflict(memory) == 0.0
+    told = {"v_x_mps": 1.0, "horizontal_mps": 1.0, "v_sd_mps": 0.03}
+    measured(one_signal(GNSS, memory["time_ns"], **told), memory)
+    assert memory["x"][V] == 2.0
+    assert memory["refused_ns"][FROM_GNSS] == memory["time_ns"]
+    assert memory["off_mps"][FROM_GNSS] == -1.0
+
+
+def test_a_restart_forgets_what_was_refused():
+    state = SLIP_EKF.init(setup())
+    made = streams(DRIVE, setup())
+    memory = state.memory[0]
+    memory["refused_ns"], memory["lean_ns"] = 5, 5
+    memory["time_ns"], memory["known"] = 10, 1
+    late = {
+        sensor: table | {name: table[name] + 10**10 for name in ("epoch_ns", "arrival_ns")}
+        for sensor, table in made.tables.items()
+    }
+    after, _ = SLIP_EKF.run(state, Streams(late).samples(0, 1))
+    assert np.all(after.memory[0]["refused_ns"] == -1)
+    assert after.memory[0]["lean_ns"] == -1
+
+
+def turned_bias(steps_s, rate_radps=0.2, gravity=True):
+    """Bias and its variance [m/s2] after a body turns nose down, as a gyro tells at such steps."""
+    of = setup()
+    of = dataclasses.replace(of, imu=dataclasses.replace(of.imu, gravity=gravity))
+    memory, t = at_speed(), 20.0
+    for step_s in (0.0, *steps_s):
+        t += step_s
+        memory["time_ns"] = round(t * 1e9)
+        measured(one_signal(IMU, memory["time_ns"], gyro_y_radps=rate_radps), memory, of)
+    return memory["x"][BIAS], memory["p"][BIAS, BIAS], memory["p"][TILTING, TILTING]
+
+
+def test_gravity_that_does_not_leak_is_not_turned():
+    assert turned_bias([0.02] * 10)[0] == pytest.approx(-9.81 * 0.04)
+    assert turned_bias([0.02] * 10, gravity=False) == (0.0, 1e-3, 0.0)
+
+
+@pytest.mark.parametrize("step_s", [0.02, 0.2, 0.4])
+def test_a_slow_gyro_turns_the_body_as_far(step_s):
+    bias, variance, _ = turned_bias([step_s] * 3)
+    assert bias == pytest.approx(-9.81 * 0.2 * 3 * step_s)
+    assert variance == 1e-3
+
+
+def test_after_a_gap_of_the_gyro_the_body_s_pitch_is_as_unknown_as_at_first():
+    bias, variance, _ = turned_bias([2.0])
+    assert bias == 0.0
+    assert variance == pytest.approx(1e-3 + SLIP_EKF.leak_sd**2)
+    assert turned_bias([2.0], gravity=False)[1] == 1e-3
+
+
+def counted_wheels(epoch_ns, speed_mps=2.0, **values):
+    """A sample of all four wheels, counted over 20 ms."""
+    told = {"wheel_mps": speed_mps, "wheel_sd_mps": 0.02, "wheel_age_s": 0.01}
+    return one_signal(WHEELS, epoch_ns, **(told | values))
+
+
+@pytest.mark.parametrize("known", [True, False])
+@pytest.mark.parametrize(("late_ns", "due"), [(0, 1), (7_000_000, 0)])
+def test_a_late_count_is_no_origin_of_a_travel(known, late_ns, due):
+    memory = at_speed()
+    memory["known"] = known
+    measured(counted_wheels(memory["time_ns"] - late_ns), memory)
+    assert memory["known"] == 1
+    assert list(memory["spans"]) == [due, due]
+
+
+@pytest.mark.parametrize("gyro", [True, False])
+@pytest.mark.parametrize("speed_mps", [2.0, -2.0])
+@pytest.mark.parametrize("steer_deg", [-40.0, 0.0, 40.0])
+def test_a_start_in_a_curve_has_the_speed_of_the_rear_axle(gyro, speed_mps, steer_deg):
+    of, memory = setup(), at_speed()
+    memory["known"] = 0
+    yaw_rate = speed_mps * np.tan(np.radians(steer_deg)) / of.wheelbase_m
+    apart = 0.5 * yaw_rate * np.array([-of.track_front_m, of.track_front_m])
+    front = np.sign(speed_mps) * np.hypot(speed_mps + apart, of.wheelbase_m * yaw_rate)
+    wheels = np.append(front, speed_mps + apart)
+    told = {"yaw_rate_radps": yaw_rate if gyro else 0.0, "wheel_sd_mps": 0.005}
+    measured(counted_wheels(memory["time_ns"], wheel_mps=wheels, **told), memory, of)
+    error, sd = memory["x"][V] - speed_mps, np.sqrt(memory["p"][V, V])
+    assert abs(error) < 2.0 * sd
+    assert abs(error) < (0.04 if gyro else 0.08) * abs(speed_mps)
+    assert sd < (0.08 if gyro else 0.25) * abs(speed_mps)  # 7 % are the instants of reading
+
+
+def test_late_wheels_start_a_speed_that_may_have_changed():
+    memory = at_speed()
+    memory["known"] = 0
+    measured(counted_wheels(memory["time_ns"] - 300_000_000), memory)
+    assert memory["p"][V, V] > 0.3**2
+    assert memory["p"][W, W] > 0.3**2
+
+
+@pytest.mark.parametrize("camera", [True, False])
+@pytest.mark.parametrize(("waited_s", "starts"), [(0.5, True), (6.0, False)])
+def test_a_first_speed_is_as_old_as_it_is(camera, waited_s, starts):
+    """GNSS, or a camera, tells a speed, and the wheels begin to count some time later."""
+    memory = at_speed()
+    memory["known"] = 0
+    told = {"v_x_mps": 1.0, "horizontal_mps": 1.0, "v_sd_mps": 0.03}
+    measured(one_signal(CAMERA_SENSOR if camera else GNSS, memory["time_ns"], **told), memory)
+    memory["time_ns"] += round(waited_s * 1e9)
+    rear = np.array([np.nan, np.nan, 2.0, 2.0])
+    measured(counted_wheels(memory["time_ns"], wheel_mps=rear), memory)
+    assert memory["known"] == starts
+    if starts:
+        assert memory["x"][V] == 1.0
+        assert memory["p"][V, V] > waited_s**2
+
+
+def test_a_camera_replaces_a_first_speed_of_gnss_that_is_too_old():
+    memory = at_speed()
+    memory["known"] = 0
+    told = {"horizontal_mps": 1.0, "v_sd_mps": 0.03}
+    measured(one_signal(GNSS, memory["time_ns"], v_x_mps=1.0, **told), memory)
+    for waited_s, due in ((1.0, 1.0), (6.0, 3.0)):
+        memory["time_ns"] += round(waited_s * 1e9)
+        measured(one_signal(CAMERA_SENSOR, memory["time_ns"], v_x_mps=3.0, **told), memory)
+        assert memory["first_mps"] == due
+
+
+def test_the_mean_of_a_load_that_is_told_later_starts_at_its_first_value():
+    """A steady load says nothing of slip, whenever it is first told."""
+    memory, z, pz = at_speed(), np.zeros(HELD), np.zeros(HELD)
+    loads = np.full(HELD, np.nan)
+    for k in range(1000):
+        memory["slip_s"] = 0.02 * k
+        if k == 500:
+            loads[FIRST_LOAD + 1] = 8.0
+            centred(loads, memory, z)
+            assert z[FIRST_LOAD + 1] == 0.0
+        learn_line(loads, 0.1 + 1e-3 * k, 0.02**2, 0.02, z, pz, memory)
+    assert memory["mean_load"][FIRST_LOAD + 1] == 8.0
+    assert memory["line"][FIRST_LOAD + 1] == 0.0
+    assert memory["x"][USUAL] == 0.0
+    assert np.isfinite(memory["line"]).all()
 
 
 def test_a_covariance_stays_one():

@@ -80,3 +80,24 @@ def test_a_towed_wheel_that_lags_is_in_the_air_until_it_turns_again():
     assert in_the_air(lagging, -0.1, 0, NOMINAL[0]) == 2
     assert in_the_air(at_speed, -0.04, 2, NOMINAL[0]) == 2
     assert in_the_air(at_speed, -0.01, 2, NOMINAL[0]) == 0
+
+
+def test_in_reverse_the_slower_wheel_is_in_the_air_too():
+    lagging = np.array([-2.0, -1.9, -2.0, -2.0])
+    assert in_the_air(lagging, 0.1, 0, NOMINAL[0]) == 2
+    assert in_the_air(-lagging, -0.1, 0, NOMINAL[0]) == 2
+    assert in_the_air(lagging[[1, 0, 2, 3]], -0.1, 0, NOMINAL[0]) == 1
+    # 3 % of the faster one
+    assert in_the_air(np.array([-2.0, -1.0, -2.0, -2.0]), 0.05, 0, NOMINAL[0]) == 0
+
+
+@pytest.mark.parametrize("wheel", ["fl", "fr"])
+def test_backwards_too_a_towed_wheel_in_the_air_is_left_out(wheel):
+    back = Drive(
+        speed=lambda t: -1.6 + 0.2 * np.sin(0.9 * t), slip=lambda t: 0.05 + 0.0 * t, duration_s=40.0
+    )
+    made = counted(streams(back, setup()), [wheel], lambda t: np.exp(-np.maximum(t - 20, 0) / 10))
+    made = blind(made, 21.0)
+    _, rows = SLIP_EKF.run(SLIP_EKF.init(setup()), made)
+    t = seconds(rows["epoch_ns"])
+    assert np.abs(rows["speed_mps"] - back.speed(t))[t > 25].mean() < 0.03
