@@ -83,6 +83,20 @@ def test_the_score_is_the_error_that_was_made():
     }  # fmt: skip
 
 
+@pytest.mark.parametrize("ends", [False, True])
+def test_an_estimator_without_a_row_in_a_hidden_time_is_silent_there(ends):
+    """What it says before or after it, with GNSS to see, is no prediction."""
+    _, table = Holds().run(None, STREAMS)
+    start_ns = next(hidden.passes(SETUP, STREAMS, 10.0))
+    place = hidden.place_of(table["epoch_ns"], start_ns, 10.0)
+    kept = (table["epoch_ns"] <= start_ns[1]) if ends else (place != 1)
+    table = {name: column[kept] for name, column in table.items()}
+    speed, slip, squared = hidden.errors(SETUP, STREAMS, table, start_ns, 10.0)
+    silent = np.arange(len(start_ns)) >= 1 if ends else np.arange(len(start_ns)) == 1
+    for error in (speed, slip, squared):
+        assert np.array_equal(np.isnan(error), silent)
+
+
 def test_the_receiver_s_own_noise_counts():
     """Off by 0.05 m/s, 0.03 of slip, with an sd of 0.01: the receiver's 0.03 m/s are 0.016."""
     sure = hidden_scores(log(), {"sure": Holds(off_mps=0.05)}, [10.0])[0]

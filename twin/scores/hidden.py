@@ -112,7 +112,8 @@ def errors(
 
     v, w: estimated speeds of ground and driven wheels. Of each hidden time the last sample of the
     receiver is taken that is no newer than the last estimate in it. NaN where the estimator says
-    nothing; places at whose ends the machine does not drive are left out.
+    nothing in it: rows from before or after it foretell nothing. Places at whose ends the machine
+    does not drive are left out.
     """
     gnss, epoch_ns = streams["gnss"]["epoch_ns"], table["epoch_ns"]
     measured = speeds(setup, streams)
@@ -122,14 +123,19 @@ def errors(
     own = place_of(epoch_ns, start_ns, hidden_s)
     place = place_of(gnss, start_ns, hidden_s)
     rows: list[int] = []
+    spoken: list[bool] = []
     for i in range(len(start_ns)):
         inside = epoch_ns[own == i]
         newest = inside.max() if len(inside) else np.iinfo(np.int64).max
         at = np.flatnonzero((place == i) & (gnss <= newest) & np.isfinite(measured))
         if len(at) and abs(measured[at[-1]]) > MOVING_MPS:
             rows.append(int(at[-1]))
+            spoken.append(len(inside) > 0)
     true, noise, when = measured[rows], sd[rows], gnss[rows]
-    v, w, slip_sd = (_at(table, name, when) for name in ("speed_mps", "wheel_speed_mps", "slip_sd"))
+    v, w, slip_sd = (
+        np.where(spoken, _at(table, name, when), np.nan)
+        for name in ("speed_mps", "wheel_speed_mps", "slip_sd")
+    )
     headed = np.isfinite(streams.column("gnss", "heading_rad").astype(np.float64)[rows])
     true = np.where(headed | (v >= 0.0) | np.isnan(v), true, -true)
     scale = np.maximum(np.maximum(np.abs(w), np.abs(true)), SLOW_MPS)
@@ -139,12 +145,14 @@ def errors(
 
 
 def _at(table: Table, name: str, epoch_ns: NDArray[np.int64]) -> Array:
-    """A column at other epochs, linear between the rows."""
+    """A column at other epochs, linear between the rows; NaN before the first."""
     if name not in table or not len(table["epoch_ns"]):
         return np.full(len(epoch_ns), np.nan)
     start = table["epoch_ns"][0]
     own = (table["epoch_ns"] - start).astype(np.float64)
-    return np.asarray(np.interp((epoch_ns - start).astype(np.float64), own, table[name]))
+    return np.asarray(
+        np.interp((epoch_ns - start).astype(np.float64), own, table[name], left=np.nan)
+    )
 
 
 def summed_up(estimator: str, hidden_s: float, of_passes: list[Errors]) -> Score:
