@@ -98,8 +98,9 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
     ):
         p[state, state] = deviation**2
     p[W, RADIUS] = p[RADIUS, W] = -(RADIUS_SD**2) * rear
-    memory.spans[0] = 1 if tau > 0.0 else 0
-    memory.spans[1] = 1 if tau > 0.0 and math.isfinite(front) else 0
+    origin = tau > 0.0 and age == 0.0
+    memory.spans[0] = 1 if origin else 0
+    memory.spans[1] = 1 if origin and math.isfinite(front) else 0
     if math.isfinite(front):
         memory.seen_ns[FROM_TOWED], memory.seen_mps[FROM_TOWED] = signal.epoch_ns, front
     _usual(memory)

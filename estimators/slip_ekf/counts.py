@@ -247,7 +247,10 @@ def _take_front(
     age: float, tau: float, spans: bool, speed: float, var: float, front_turn: float, h: Array,
     tuning: Record, memory: Record,
 ) -> None:  # fmt: skip
-    """Counted travel of the towed wheels where it is unbroken, else their speed."""
+    """Counted travel of the towed wheels where it is unbroken, else their speed.
+
+    A late sample is no origin: the travel since its own epoch is not known.
+    """
     memory.off_towed = math.nan
     if not (math.isfinite(speed) and math.isfinite(var)):
         memory.spans[1] = 0
@@ -268,7 +271,7 @@ def _take_front(
         travels = False
     if not travels and tau > 0.0:
         restart(memory, NUMBER[FRONT], count_var + speed**2 * memory.jitter_var)
-        memory.spans[1] = 1
+        memory.spans[1] = 1 if age == 0.0 else 0
 
 
 @array_law
@@ -309,7 +312,7 @@ def _take_rear(
         memory.x[REAR] -= counted
     elif tau > 0.0:
         restart(memory, NUMBER[REAR], count_var + speed**2 * memory.jitter_var)
-        memory.spans[0] = 1
+        memory.spans[0] = 1 if age == 0.0 else 0
 
 
 @array_law

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from estimators.layout import GNSS, IMU, NOMINAL, SIGNALS, blank, nominal
+from estimators.layout import GNSS, IMU, NOMINAL, SIGNALS, WHEELS, blank, nominal
 from estimators.slip_ekf import SLIP_EKF, motion, rows
 from estimators.slip_ekf.filter import measure
 from estimators.slip_ekf.held import FIRST_LOAD, HELD, PLOUGH, held, start
@@ -365,6 +365,22 @@ def test_after_a_gap_of_the_gyro_the_body_s_pitch_is_as_unknown_as_at_first():
     assert bias == 0.0
     assert variance == pytest.approx(1e-3 + SLIP_EKF.leak_sd**2)
     assert turned_bias([2.0], gravity=False)[1] == 1e-3
+
+
+def counted_wheels(epoch_ns, speed_mps=2.0, **values):
+    """A sample of all four wheels, counted over 20 ms."""
+    told = {"wheel_mps": speed_mps, "wheel_sd_mps": 0.02, "wheel_age_s": 0.01}
+    return one_signal(WHEELS, epoch_ns, **(told | values))
+
+
+@pytest.mark.parametrize("known", [True, False])
+@pytest.mark.parametrize(("late_ns", "due"), [(0, 1), (7_000_000, 0)])
+def test_a_late_count_is_no_origin_of_a_travel(known, late_ns, due):
+    memory = at_speed()
+    memory["known"] = known
+    measured(counted_wheels(memory["time_ns"] - late_ns), memory)
+    assert memory["known"] == 1
+    assert list(memory["spans"]) == [due, due]
 
 
 def test_a_covariance_stays_one():
