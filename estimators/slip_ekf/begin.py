@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from estimators.kalman import Record
+from estimators.layout import STALE_S
 from estimators.slip_ekf.layout import (
     ACROSS,
     BIAS,
@@ -36,6 +37,11 @@ LEAST_BIAS_SD_MPS2 = 0.002
 """No accelerometer's bias is taken to be smaller, whatever its data sheet says."""
 LATE_SD_S = 0.02
 """sd of a receiver's error in its own time stamps."""
+ACCEL_SD_MPS2 = 1.0
+"""sd of the first acceleration, by which speeds are other than some time ago."""
+LEAST_ALONG, LEAST_REST = 0.1, 0.01
+"""Least of the front wheels' speed, squared, that is along the machine: they steer by 72 degrees at
+most; and of the root beyond which front wheels do not tell the turning, at 45 degrees."""
 RADIUS_SD = 0.01
 """sd of the driven wheels' mean radius error: tyre pressure, wear, load."""
 USUAL_SD, NO_IDEA_SD = 0.05, 0.1
@@ -48,9 +54,16 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
     wheels, sd = signal.wheel_mps, signal.wheel_sd_mps
     front, front_var, _ = axle(wheels, sd, nominal, 0.0, math.nan, 0.0, math.inf)
     rear, rear_var, _ = axle(wheels, sd, nominal, 1.0, math.nan, 0.0, math.inf)
-    speed, var = memory.first_mps, memory.first_var
+    tau = 0.0
+    for i in range(4):
+        tau = max(tau, signal.wheel_age_s[i])
+    since_var = (ACCEL_SD_MPS2 * (age + tau)) ** 2
+    waited_s = (memory.time_ns - memory.first_ns) * 1e-9
+    speed = memory.first_mps if waited_s <= STALE_S else math.nan
+    var = memory.first_var + (ACCEL_SD_MPS2 * waited_s) ** 2
     if math.isfinite(front):
-        front_var += (tuning.scale_sd * front) ** 2
+        front, front_var = _along(signal, front, front_var, nominal)
+        front_var += (tuning.scale_sd * front) ** 2 + since_var
         if math.isfinite(speed):
             share = var / (var + front_var)
             speed, var = speed + share * (front - speed), var * (1.0 - share)
@@ -59,9 +72,6 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
             memory.measured_ns = signal.epoch_ns
     if not math.isfinite(speed) or not math.isfinite(rear):
         return
-    tau = 0.0
-    for i in range(4):
-        tau = max(tau, signal.wheel_age_s[i])
     if tau > 0.0:
         late_var = 2.0 * memory.jitter_var / (2.0 * tau) ** 2
         rear_var += late_var * rear**2
@@ -79,9 +89,9 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
     swing = tuning.swing_sd
     for state, deviation in (
         (V, math.sqrt(var)),
-        (W, math.sqrt(rear_var + (RADIUS_SD * rear) ** 2)),
-        (A, 1.0),
-        (RATE, 1.0),
+        (W, math.sqrt(rear_var + (RADIUS_SD * rear) ** 2 + since_var)),
+        (A, ACCEL_SD_MPS2),
+        (RATE, ACCEL_SD_MPS2),
         (BIAS, math.hypot(nominal.gravity * tuning.leak_sd, bias_sd)),
         (WHEEL_BIAS, bias_sd),
         (RADIUS, RADIUS_SD),
@@ -104,6 +114,39 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
     if math.isfinite(front):
         memory.seen_ns[FROM_TOWED], memory.seen_mps[FROM_TOWED] = signal.epoch_ns, front
     _usual(memory)
+
+
+@array_law
+def _along(signal: Record, front: float, var: float, nominal: Record) -> tuple[float, float]:
+    """Speed of the rear-axle centre from that of the towed wheels, and its variance.
+
+    v^2 = front^2 - b^2,   b = wheelbase yaw rate
+
+    The yaw rate is the gyro's, else the wheels'. Front wheels roll along where they are steered:
+
+    k = wheelbase (right - left) / track = b v / front
+    b^2 = front^2 (1 - sqrt(1 - 4 k^2 / front^2)) / 2
+    """
+    turn, turn_var, steered = nominal.wheelbase_m * signal.yaw_rate_radps, 0.0, False
+    for driven in range(2):
+        for left in (0, 2):
+            track = nominal.track_rear_m if left else nominal.track_front_m
+            apart = signal.wheel_mps[left + 1] - signal.wheel_mps[left]
+            told = nominal.driven[left] == driven and math.isfinite(apart) and track > 0.0
+            if turn == 0.0 and told:
+                by, sd = nominal.wheelbase_m / track, signal.wheel_sd_mps
+                turn, turn_var = by * apart, by**2 * (sd[left] ** 2 + sd[left + 1] ** 2)
+                steered = left == 0
+    turn_sq, front_sq = max(turn**2 - turn_var, 0.0), front**2  # noise is no turning
+    spread = (turn_sq + turn_var) * turn_var
+    if steered and front_sq > 0.0:
+        rest = max(1.0 - 4.0 * turn_sq / front_sq, LEAST_REST)
+        turn_sq, spread = 0.5 * front_sq * (1.0 - math.sqrt(rest)), spread / rest
+    along_sq = front_sq - turn_sq
+    if along_sq <= LEAST_ALONG * front_sq:  # no machine turns so
+        return front, var + front_sq
+    by_turn = min(spread / along_sq, front_sq / 3.0)
+    return math.copysign(math.sqrt(along_sq), front), var * front_sq / along_sq + by_turn
 
 
 @array_law

@@ -188,7 +188,7 @@ def _take_gnss(signal: Record, age: float, h: Array, tuning: Record, memory: Rec
         return
     heard(NUMBER[FROM_GNSS], signal.epoch_ns, speed, memory)
     if not memory.known:
-        memory.first_mps, memory.first_var = speed, sd**2 + age**2
+        memory.first_mps, memory.first_var, memory.first_ns = speed, sd**2, signal.epoch_ns
         memory.measured_ns = signal.epoch_ns
         return
     error = speed - rows.gnss(memory.x, age, h)
@@ -252,8 +252,9 @@ def _take_camera(signal: Record, age: float, h: Array, tuning: Record, memory: R
     white = signal.v_sd_mps**2 + (CAMERA_SD * speed) ** 2
     learn.camera_walk(speed, signal.epoch_ns, tuning.camera_psd, memory)
     if not memory.known:
-        if not math.isfinite(memory.first_mps):
-            memory.first_mps = speed
+        waited_s = (signal.epoch_ns - memory.first_ns) * 1e-9
+        if not math.isfinite(memory.first_mps) or waited_s > STALE_S:
+            memory.first_mps, memory.first_ns = speed, signal.epoch_ns
             memory.first_var = white + (tuning.scale_sd * speed) ** 2
         return
     error = speed - rows.camera(memory.x, age, h)

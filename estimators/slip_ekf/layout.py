@@ -59,7 +59,7 @@ MEMORY = np.dtype(
     [
         ("x", "f8", SIZE), ("p", "f8", (SIZE, SIZE)), ("known", "i8"), ("flags", "i8"),
         ("time_ns", "i8"), ("measured_ns", "i8"), ("wheels_ns", "i8"), ("imu_ns", "i8"),
-        ("first_mps", "f8"), ("first_var", "f8"),
+        ("first_mps", "f8"), ("first_var", "f8"), ("first_ns", "i8"),
         # by source
         ("seen_ns", "i8", SOURCES), ("seen_mps", "f8", SOURCES), ("refused_ns", "i8", SOURCES),
         ("off_mps", "f8", SOURCES), ("excess", "f8", SOURCES), ("white_ns", "i8", SOURCES),
@@ -88,6 +88,8 @@ MEMORY = np.dtype(
     align=True,
 )  # fmt: skip
 """A plain value.
+
+`first_*`: a ground speed from before the filter knows one, its variance, and its epoch.
 
 By source: `seen_*` when it last spoke, and the ground speed it gave; `refused_ns` since when it is
 refused, `off_mps` by how much on average; `excess` the factor of its lasting error's variance;

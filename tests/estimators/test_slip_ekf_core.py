@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from estimators.layout import CAMERA as CAMERA_SENSOR
 from estimators.layout import GNSS, IMU, NOMINAL, SIGNALS, WHEELS, blank, nominal
 from estimators.slip_ekf import SLIP_EKF, motion, rows
 from estimators.slip_ekf.filter import measure
@@ -381,6 +382,60 @@ def test_a_late_count_is_no_origin_of_a_travel(known, late_ns, due):
     measured(counted_wheels(memory["time_ns"] - late_ns), memory)
     assert memory["known"] == 1
     assert list(memory["spans"]) == [due, due]
+
+
+@pytest.mark.parametrize("gyro", [True, False])
+@pytest.mark.parametrize("speed_mps", [2.0, -2.0])
+@pytest.mark.parametrize("steer_deg", [-40.0, 0.0, 40.0])
+def test_a_start_in_a_curve_has_the_speed_of_the_rear_axle(gyro, speed_mps, steer_deg):
+    of, memory = setup(), at_speed()
+    memory["known"] = 0
+    yaw_rate = speed_mps * np.tan(np.radians(steer_deg)) / of.wheelbase_m
+    apart = 0.5 * yaw_rate * np.array([-of.track_front_m, of.track_front_m])
+    front = np.sign(speed_mps) * np.hypot(speed_mps + apart, of.wheelbase_m * yaw_rate)
+    wheels = np.append(front, speed_mps + apart)
+    told = {"yaw_rate_radps": yaw_rate if gyro else 0.0, "wheel_sd_mps": 0.005}
+    measured(counted_wheels(memory["time_ns"], wheel_mps=wheels, **told), memory, of)
+    error, sd = memory["x"][V] - speed_mps, np.sqrt(memory["p"][V, V])
+    assert abs(error) < 2.0 * sd
+    assert abs(error) < (0.04 if gyro else 0.08) * abs(speed_mps)
+    assert sd < (0.08 if gyro else 0.25) * abs(speed_mps)  # 7 % are the instants of reading
+
+
+def test_late_wheels_start_a_speed_that_may_have_changed():
+    memory = at_speed()
+    memory["known"] = 0
+    measured(counted_wheels(memory["time_ns"] - 300_000_000), memory)
+    assert memory["p"][V, V] > 0.3**2
+    assert memory["p"][W, W] > 0.3**2
+
+
+@pytest.mark.parametrize("camera", [True, False])
+@pytest.mark.parametrize(("waited_s", "starts"), [(0.5, True), (6.0, False)])
+def test_a_first_speed_is_as_old_as_it_is(camera, waited_s, starts):
+    """GNSS, or a camera, tells a speed, and the wheels begin to count some time later."""
+    memory = at_speed()
+    memory["known"] = 0
+    told = {"v_x_mps": 1.0, "horizontal_mps": 1.0, "v_sd_mps": 0.03}
+    measured(one_signal(CAMERA_SENSOR if camera else GNSS, memory["time_ns"], **told), memory)
+    memory["time_ns"] += round(waited_s * 1e9)
+    rear = np.array([np.nan, np.nan, 2.0, 2.0])
+    measured(counted_wheels(memory["time_ns"], wheel_mps=rear), memory)
+    assert memory["known"] == starts
+    if starts:
+        assert memory["x"][V] == 1.0
+        assert memory["p"][V, V] > waited_s**2
+
+
+def test_a_camera_replaces_a_first_speed_of_gnss_that_is_too_old():
+    memory = at_speed()
+    memory["known"] = 0
+    told = {"horizontal_mps": 1.0, "v_sd_mps": 0.03}
+    measured(one_signal(GNSS, memory["time_ns"], v_x_mps=1.0, **told), memory)
+    for waited_s, due in ((1.0, 1.0), (6.0, 3.0)):
+        memory["time_ns"] += round(waited_s * 1e9)
+        measured(one_signal(CAMERA_SENSOR, memory["time_ns"], v_x_mps=3.0, **told), memory)
+        assert memory["first_mps"] == due
 
 
 def test_a_covariance_stays_one():
