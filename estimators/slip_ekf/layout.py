@@ -125,7 +125,7 @@ def first_memory(jerk_psd: float) -> NDArray[Any]:
     for name in MEMORY.names or ():
         if name.endswith("_ns"):
             memory[name] = -1
-    memory["white_last"] = np.nan
+    memory["white_last"] = memory["mean_load"] = np.nan
     memory["first_mps"] = memory["repeated_mps"] = memory["gyro"] = np.nan
     memory["interval_s"] = memory["excess"] = memory["spin"] = memory["unrest"] = 1.0
     memory["jerk_psd"] = jerk_psd

@@ -29,10 +29,11 @@ ROBUST = 3.0
 
 @array_law
 def centred(loads: Array, memory: Record, z: Array) -> None:
-    """Fill z = (1, load - mean load); 0 for a load that nobody tells."""
+    """Fill z = (1, load - mean load); 0 for a load that nobody tells, or has told before."""
     z[0] = 1.0
     for i in range(1, HELD):
-        z[i] = loads[i] - memory.mean_load[i] if math.isfinite(loads[i]) else 0.0
+        off = loads[i] - memory.mean_load[i]
+        z[i] = off if math.isfinite(off) else 0.0
 
 
 @array_law
@@ -68,10 +69,11 @@ def learn_line(
     if p[0, 0] == 0.0:
         for i in range(HELD):
             p[i, i] = PRIOR_SD**2 if i else OFFSET_SD**2
-            memory.mean_load[i] = loads[i] if math.isfinite(loads[i]) else 0.0
     share = dt / (min(memory.slip_s, MEAN_S) + dt)
     for i in range(1, HELD):
-        if math.isfinite(loads[i]):
+        if math.isfinite(loads[i]) and not math.isfinite(memory.mean_load[i]):
+            memory.mean_load[i] = loads[i]
+        elif math.isfinite(loads[i]):
             _shift(i, share * (loads[i] - memory.mean_load[i]), memory)
     centred(loads, memory, z)
     total = slip_var * (1.0 + 2.0 * SCATTER_S / dt)

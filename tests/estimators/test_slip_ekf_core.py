@@ -26,6 +26,7 @@ from estimators.slip_ekf.layout import (
     W,
     first_memory,
 )
+from estimators.slip_ekf.load import centred, learn_line
 from estimators.slip_ekf.report import _conflict
 from twin.streams import Streams
 from twin.testing.drives import Drive, derivative, seconds, setup, stamps, streams, times
@@ -436,6 +437,23 @@ def test_a_camera_replaces_a_first_speed_of_gnss_that_is_too_old():
         memory["time_ns"] += round(waited_s * 1e9)
         measured(one_signal(CAMERA_SENSOR, memory["time_ns"], v_x_mps=3.0, **told), memory)
         assert memory["first_mps"] == due
+
+
+def test_the_mean_of_a_load_that_is_told_later_starts_at_its_first_value():
+    """A steady load says nothing of slip, whenever it is first told."""
+    memory, z, pz = at_speed(), np.zeros(HELD), np.zeros(HELD)
+    loads = np.full(HELD, np.nan)
+    for k in range(1000):
+        memory["slip_s"] = 0.02 * k
+        if k == 500:
+            loads[FIRST_LOAD + 1] = 8.0
+            centred(loads, memory, z)
+            assert z[FIRST_LOAD + 1] == 0.0
+        learn_line(loads, 0.1 + 1e-3 * k, 0.02**2, 0.02, z, pz, memory)
+    assert memory["mean_load"][FIRST_LOAD + 1] == 8.0
+    assert memory["line"][FIRST_LOAD + 1] == 0.0
+    assert memory["x"][USUAL] == 0.0
+    assert np.isfinite(memory["line"]).all()
 
 
 def test_a_covariance_stays_one():
