@@ -8,6 +8,7 @@ import pytest
 from estimators.layout import CAMERA as CAMERA_SENSOR
 from estimators.layout import GNSS, IMU, NOMINAL, SIGNALS, WHEELS, blank, nominal
 from estimators.slip_ekf import SLIP_EKF, motion, rows
+from estimators.slip_ekf.counts import _zero
 from estimators.slip_ekf.filter import measure
 from estimators.slip_ekf.held import FIRST_LOAD, HELD, PLOUGH, held, start
 from estimators.slip_ekf.layout import (
@@ -454,6 +455,17 @@ def test_the_mean_of_a_load_that_is_told_later_starts_at_its_first_value():
     assert memory["line"][FIRST_LOAD + 1] == 0.0
     assert memory["x"][USUAL] == 0.0
     assert np.isfinite(memory["line"]).all()
+
+
+@pytest.mark.parametrize("hz", [10, 25, 100])
+def test_the_zero_condition_counts_by_time_and_not_by_sample(hz):
+    def known(hz):
+        memory, h = at_speed(), np.zeros(SIZE)
+        for _ in range(hz):
+            _zero(1.0, 1.0 / hz, h, memory)
+        return memory["p"][V, V] + memory["p"][W, W] - 2.0 * memory["p"][V, W]
+
+    assert known(hz) == pytest.approx(known(50), rel=0.01)
 
 
 def test_a_covariance_stays_one():
