@@ -404,6 +404,24 @@ def test_a_start_in_a_curve_has_the_speed_of_the_rear_axle(gyro, speed_mps, stee
     assert sd < (0.08 if gyro else 0.25) * abs(speed_mps)  # 7 % are the instants of reading
 
 
+@pytest.mark.parametrize("steer_deg", [-40.0, 40.0])
+def test_the_turning_at_the_start_is_not_forgotten_at_the_next_sample(steer_deg):
+    of, t = setup(), np.arange(1, 51) / 50.0
+    yaw_rate = 2.0 * np.tan(np.radians(steer_deg)) / of.wheelbase_m
+    wheels = stamps(t)
+    for wheel, side in (("fl", -1), ("fr", 1), ("rl", -1), ("rr", 1)):
+        v = 2.0 + side * 0.5 * of.track_rear_m * yaw_rate
+        v = np.hypot(v, of.wheelbase_m * yaw_rate) if wheel[0] == "f" else v
+        turns = v * t / of.wheels.radius_m[wheel] / (2.0 * np.pi)
+        wheels[f"ticks_{wheel}"] = np.floor(4000 * turns).astype(np.int64)
+    names = ("gyro_x_radps", "gyro_y_radps", "accel_x_mps2", "accel_y_mps2", "accel_z_mps2")
+    imu = stamps(t) | dict.fromkeys(names, 0.0 * t) | {"gyro_z_radps": 0.0 * t + yaw_rate}
+    imu["accel_x_mps2"] = 0.0 * t - yaw_rate**2 * of.imu.lever_arm_m[0]
+    _, table = estimated(Streams({"wheels": wheels, "imu": imu}), of)
+    speed = table["speed_mps"][np.isfinite(table["speed_mps"])]
+    assert np.abs(speed - 2.0).max() < 0.1
+
+
 def test_late_wheels_start_a_speed_that_may_have_changed():
     memory = at_speed()
     memory["known"] = 0
