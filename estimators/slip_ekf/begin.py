@@ -62,7 +62,9 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
     speed = memory.first_mps if waited_s <= STALE_S else math.nan
     var = memory.first_var + (ACCEL_SD_MPS2 * waited_s) ** 2
     if math.isfinite(front):
+        rolled = front
         front, front_var = _along(signal, front, front_var, nominal)
+        _turn(rolled, front, signal, nominal, memory)
         front_var += (tuning.scale_sd * front) ** 2 + since_var
         if math.isfinite(speed):
             share = var / (var + front_var)
@@ -147,6 +149,25 @@ def _along(signal: Record, front: float, var: float, nominal: Record) -> tuple[f
         return front, var + front_sq
     by_turn = min(spread / along_sq, front_sq / 3.0)
     return math.copysign(math.sqrt(along_sq), front), var * front_sq / along_sq + by_turn
+
+
+@array_law
+def _turn(rolled: float, v: float, signal: Record, nominal: Record, memory: Record) -> None:
+    """The turning that makes this of the first speeds: yaw rate, and right less left of both axles.
+
+    wheelbase |yaw rate| = sqrt(rolled^2 - v^2)
+    """
+    if not nominal.wheelbase_m > 0.0:
+        return
+    sign = signal.yaw_rate_radps
+    for left in (0, 2):
+        if sign == 0.0 and nominal.driven[left] == 0.0:
+            sign = signal.wheel_mps[left + 1] - signal.wheel_mps[left]
+    rate = math.sqrt(max(rolled**2 - v**2, 0.0)) / nominal.wheelbase_m
+    memory.yaw_rate = math.copysign(rate, sign) if math.isfinite(sign) else 0.0
+    memory.apart_mps[0] = memory.yaw_rate * nominal.track_rear_m
+    along = v / rolled if rolled != 0.0 else 1.0
+    memory.apart_mps[1] = memory.yaw_rate * nominal.track_front_m * along
 
 
 @array_law

@@ -55,9 +55,9 @@ SETTLE, SLOW_MPS = 100.0, 0.2
 """Samples over which the noise of the counts is averaged, and the speed above which [m/s]."""
 AHEAD_S = 0.06
 """No further ahead of the newest gyro sample is the pitch predicted [s]."""
-ZERO_SLIP, ZERO_SLIP_SD = 0.0055, 0.015
+ZERO_SLIP, ZERO_SLIP_SD, ZERO_SLIP_S, MOST_ZERO_SLIP_S = 0.0055, 0.015, 0.02, 0.5
 """Slip with the plough out of the ground, the middle of the 0.2-0.9 % that pull nothing, and its sd
-in one of 50 samples a second: 0.3 % over some seconds."""
+over so long [s]: 0.3 % over half a second, and one sample never says more."""
 UNLOAD, UNLOAD_SD, LOAD, LOAD_SD = -0.0045, 0.002, 0.0065, 0.002
 """Change of the counted over the true speed when the plough goes down, and its sd: each rear wheel
 loses about 7 kN and its radius grows, by 0.4 to 0.5 % in the twin; the front wheels get it and
@@ -131,7 +131,7 @@ def take_wheels(
     _take_front(age, tau, spans, front, front_var, front_turn, h, tuning, memory)
     _take_rear(age, tau, spans, rear, rear_var, dt, h, tuning, memory)
     _take_accel(signal, dt, h, memory)
-    _zero(slower[PLOUGH], h, memory)
+    _zero(slower[PLOUGH], dt, h, memory)
     if slower[PLOUGH] != 1.0:
         _usual(slower, dt, h, tuning, memory)
     memory.wheels_ns = signal.epoch_ns
@@ -367,8 +367,10 @@ paper's."""
 
 
 @array_law
-def _zero(raised: float, h: Array, memory: Record) -> None:
+def _zero(raised: float, dt: float, h: Array, memory: Record) -> None:
     """The zero condition: with the plough out of the ground the axle slips by a little known.
+
+    variance of one sample in dt: (sd rim)^2 0.02 s / dt, so that no rate of the wheels counts more
 
     When the plough goes down the driven tyres carry less and their radius grows.
     """
@@ -379,9 +381,10 @@ def _zero(raised: float, h: Array, memory: Record) -> None:
             memory.raised = 1
             if memory.lowered:
                 _reload(-1.0, memory)
-        if abs(memory.x[V]) > 0.5 and abs(memory.x[A]) < 0.3:
+        if abs(memory.x[V]) > 0.5 and abs(memory.x[A]) < 0.3 and dt > 0.0:
             error = -rows.no_slip(memory.x, ZERO_SLIP, h)
-            take(memory, h, error, (ZERO_SLIP_SD * memory.rim_mps) ** 2)
+            per_sample = ZERO_SLIP_S / min(dt, MOST_ZERO_SLIP_S)
+            take(memory, h, error, (ZERO_SLIP_SD * memory.rim_mps) ** 2 * per_sample)
     elif raised == 0.0 and memory.raised == 1:
         _reload(1.0, memory)
         memory.p[USUAL, USUAL] += AGAIN_SD**2 if memory.lowered else NEW_SLIP_SD**2

@@ -8,6 +8,7 @@ import pytest
 from estimators.layout import CAMERA as CAMERA_SENSOR
 from estimators.layout import GNSS, IMU, NOMINAL, SIGNALS, WHEELS, blank, nominal
 from estimators.slip_ekf import SLIP_EKF, motion, rows
+from estimators.slip_ekf.counts import _zero
 from estimators.slip_ekf.filter import measure
 from estimators.slip_ekf.held import FIRST_LOAD, HELD, PLOUGH, held, start
 from estimators.slip_ekf.layout import (
@@ -403,6 +404,24 @@ def test_a_start_in_a_curve_has_the_speed_of_the_rear_axle(gyro, speed_mps, stee
     assert sd < (0.08 if gyro else 0.25) * abs(speed_mps)  # 7 % are the instants of reading
 
 
+@pytest.mark.parametrize("steer_deg", [-40.0, 40.0])
+def test_the_turning_at_the_start_is_not_forgotten_at_the_next_sample(steer_deg):
+    of, t = setup(), np.arange(1, 51) / 50.0
+    yaw_rate = 2.0 * np.tan(np.radians(steer_deg)) / of.wheelbase_m
+    wheels = stamps(t)
+    for wheel, side in (("fl", -1), ("fr", 1), ("rl", -1), ("rr", 1)):
+        v = 2.0 + side * 0.5 * of.track_rear_m * yaw_rate
+        v = np.hypot(v, of.wheelbase_m * yaw_rate) if wheel[0] == "f" else v
+        turns = v * t / of.wheels.radius_m[wheel] / (2.0 * np.pi)
+        wheels[f"ticks_{wheel}"] = np.floor(4000 * turns).astype(np.int64)
+    names = ("gyro_x_radps", "gyro_y_radps", "accel_x_mps2", "accel_y_mps2", "accel_z_mps2")
+    imu = stamps(t) | dict.fromkeys(names, 0.0 * t) | {"gyro_z_radps": 0.0 * t + yaw_rate}
+    imu["accel_x_mps2"] = 0.0 * t - yaw_rate**2 * of.imu.lever_arm_m[0]
+    _, table = estimated(Streams({"wheels": wheels, "imu": imu}), of)
+    speed = table["speed_mps"][np.isfinite(table["speed_mps"])]
+    assert np.abs(speed - 2.0).max() < 0.1
+
+
 def test_late_wheels_start_a_speed_that_may_have_changed():
     memory = at_speed()
     memory["known"] = 0
@@ -454,6 +473,17 @@ def test_the_mean_of_a_load_that_is_told_later_starts_at_its_first_value():
     assert memory["line"][FIRST_LOAD + 1] == 0.0
     assert memory["x"][USUAL] == 0.0
     assert np.isfinite(memory["line"]).all()
+
+
+@pytest.mark.parametrize("hz", [10, 25, 100])
+def test_the_zero_condition_counts_by_time_and_not_by_sample(hz):
+    def known(hz):
+        memory, h = at_speed(), np.zeros(SIZE)
+        for _ in range(hz):
+            _zero(1.0, 1.0 / hz, h, memory)
+        return memory["p"][V, V] + memory["p"][W, W] - 2.0 * memory["p"][V, W]
+
+    assert known(hz) == pytest.approx(known(50), rel=0.01)
 
 
 def test_a_covariance_stays_one():

@@ -123,17 +123,17 @@ def errors(
     own = place_of(epoch_ns, start_ns, hidden_s)
     place = place_of(gnss, start_ns, hidden_s)
     rows: list[int] = []
-    told: list[bool] = []
+    spoken: list[bool] = []
     for i in range(len(start_ns)):
         inside = epoch_ns[own == i]
         newest = inside.max() if len(inside) else np.iinfo(np.int64).max
         at = np.flatnonzero((place == i) & (gnss <= newest) & np.isfinite(measured))
         if len(at) and abs(measured[at[-1]]) > MOVING_MPS:
             rows.append(int(at[-1]))
-            told.append(len(inside) > 0)
+            spoken.append(len(inside) > 0)
     true, noise, when = measured[rows], sd[rows], gnss[rows]
     v, w, slip_sd = (
-        np.where(told, _at(table, name, when), np.nan)
+        np.where(spoken, _at(table, name, when), np.nan)
         for name in ("speed_mps", "wheel_speed_mps", "slip_sd")
     )
     headed = np.isfinite(streams.column("gnss", "heading_rad").astype(np.float64)[rows])
