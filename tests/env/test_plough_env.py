@@ -200,7 +200,7 @@ def test_an_impossible_option_is_named_and_changes_nothing(truth_env, options, k
     [
         ({"observation": "everything"}, "no observation is called 'everything'"),
         ({"estimator": "oracle"}, "no estimator is called 'oracle'"),
-        ({"depth_m": 2.0}, "plough.depth_m = 2 is outside"),
+        ({"depth_m": 2.0}, "depth_m = 2 is outside"),
         ({"slip_target": 0.9}, "slip_target = 0.9 is outside"),
         ({"render_mode": "ansi"}, "no render_mode is called 'ansi'"),
     ],
