@@ -19,12 +19,10 @@ from pathlib import Path
 from typing import TypeAlias
 
 import numba
-import numpy as np
 from numba import carray
 from numba.core.ccallback import CFunc
 
-from twin.compute.compiled import key, law
-from twin.errors import BadInput
+from twin.compute.compiled import law
 from twin.physics import memory
 from twin.physics.block import Plough, Soil
 from twin.physics.law_table import (
@@ -35,9 +33,9 @@ from twin.physics.law_table import (
     frozen,
     implement_table_pointer,
 )
+from twin.physics.own_laws import LawKind
 from twin.physics.shapes import Array
-from twin.plugins.failing import WRITES
-from twin.plugins.lookup import attribute, words
+from twin.plugins.lookup import attribute
 
 D497 = 0.0
 """The number of ASABE D497 in the parameter block."""
@@ -74,49 +72,27 @@ def implement_law_number(name: str) -> float:
     Raises:
         BadInput: it cannot be imported, or cannot be compiled to a law.
     """
-    return D497 if name == "d497" else _register(attribute("implement law", name), name)
+    return D497 if name == "d497" else OWN.register(attribute(OWN.name, name), name)
 
 
-_KNOWN: dict[int, tuple[Law, CFunc]] = {}
-"""Number -> the law as it was given and as it was compiled; the table holds only addresses."""
+def _as_c(pure: Law) -> CFunc:
+    def entry(
+        plough: Array, soil: Array, tool: float, depth: float, speed: float, drift: float,
+        out: Array,
+    ) -> None:  # fmt: skip
+        out[0], out[1], out[2] = pure(
+            frozen(carray(plough, PLOUGH_SIZE)), frozen(carray(soil, SOIL_SIZE)),
+            tool, depth, speed, drift,
+        )  # fmt: skip
+
+    return numba.cfunc(IMPLEMENT_SIGNATURE)(entry)
 
 
-def _register(function: Law, name: str) -> float:
-    from twin.physics.laws import source_of
-
-    number = int(key(Path(__file__), source_of(function, name, "implement law"), name)[:12], 16)
-    rows = np.flatnonzero((IMPLEMENT_TABLE[:, 0] == number) | (IMPLEMENT_TABLE[:, 1] == 0))
-    if not rows.size:
-        raise BadInput(f"implement law '{name}': this process knows {MOST_LAWS} laws already")
-    known = _KNOWN.get(number)
-    if known is None or known[0] is not function:
-        compiled = _compile(function, name)
-        _KNOWN[number] = function, compiled
-        IMPLEMENT_TABLE[rows[0], 0], IMPLEMENT_TABLE[rows[0], 1] = number, compiled.address or 0
-    return float(number)
-
-
-def _compile(function: Law, name: str) -> CFunc:
-    """The law as a C function; not cached on disk, so that it cannot be stale."""
-    try:
-        pure = function
-        if not hasattr(function, "py_func"):
-            pure = numba.njit(error_model="numpy")(function)
-
-        def entry(
-            plough: Array, soil: Array, tool: float, depth: float, speed: float, drift: float,
-            out: Array,
-        ) -> None:  # fmt: skip
-            out[0], out[1], out[2] = pure(
-                frozen(carray(plough, PLOUGH_SIZE)), frozen(carray(soil, SOIL_SIZE)),
-                tool, depth, speed, drift,
-            )  # fmt: skip
-
-        return numba.cfunc(IMPLEMENT_SIGNATURE)(entry)
-    except Exception as error:  # whatever numba says of a user's function
-        text = words(error)
-        said = [n for n in text.splitlines() if n and not n.startswith("Failed in nopython")]
-        reason = said[0] if said else type(error).__name__
-        if WRITES.search(text):
-            reason = "it writes to the implement or the soil, which are the model's"
-        raise BadInput(f"implement law '{name}' cannot be compiled: {reason}") from None
+OWN = LawKind(
+    name="implement law",
+    table=IMPLEMENT_TABLE,
+    as_c=_as_c,
+    read_only="it writes to the implement or the soil, which are the model's",
+    file=Path(__file__),
+)
+"""Laws of implements that users wrote."""

@@ -1,0 +1,92 @@
+"""Users' laws in a table of function addresses: compiled once, found by a number of their source.
+
+What a soil law and an implement's law have in common. The compiled callback reads the tables.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+from numba.core.ccallback import CFunc
+from numpy.typing import NDArray
+
+from twin.compute.compiled import key
+from twin.errors import BadInput
+from twin.physics.law_table import MOST_LAWS
+from twin.plugins.failing import WRITES
+from twin.plugins.lookup import words
+
+Function = Callable[..., Any]
+"""A law, as its kind's module describes it."""
+
+
+@dataclass(frozen=True)
+class LawKind:
+    """One kind of law: what messages call it, its table, and how it becomes a C function."""
+
+    name: str
+    table: NDArray[np.int64]
+    """Number and address of each law that this process knows. Shape (MOST_LAWS, 2)."""
+    as_c: Callable[[Function], CFunc]
+    """Compiles a law that numba knows to a C function."""
+    read_only: str
+    """Why a law must not write to what it is given, and what would do."""
+    file: Path
+    """The module that defines the interface: the number covers its text."""
+    known: dict[int, tuple[Function, CFunc]] = field(default_factory=dict)
+    """Number -> the law as given and as compiled; the table holds only addresses."""
+
+    def register(self, function: Function, name: str) -> float:
+        """Compile a law and enter it in the table; its number, the same for the same source.
+
+        Args:
+            function: plain Python, or compiled by numba already.
+            name: what messages call it.
+
+        Raises:
+            BadInput: it stands in no file, cannot be compiled, or the table is full.
+        """
+        number = int(key(self.file, self._source(function, name), name)[:12], 16)
+        known = self.known.get(number)
+        if known is None or known[0] is not function:  # loaded anew, perhaps with what it imports
+            compiled = self._compile(function, name)
+            self.enter(number, compiled, name)
+            self.known[number] = function, compiled
+        return float(number)
+
+    def enter(self, number: int, compiled: CFunc, name: str) -> None:
+        """Enter a compiled law in the table, in the place of one with its number."""
+        same = np.flatnonzero((self.table[:, 0] == number) & (self.table[:, 1] != 0))
+        rows = same if same.size else np.flatnonzero(self.table[:, 1] == 0)
+        if not rows.size:
+            raise BadInput(f"{self.name} '{name}': this process knows {MOST_LAWS} laws already")
+        self.table[rows[0], 0], self.table[rows[0], 1] = number, compiled.address or 0
+
+    def _source(self, function: Function, name: str) -> str:
+        """Text of the file a law stands in."""
+        try:
+            module = inspect.getmodule(getattr(function, "py_func", function))
+            return inspect.getsource(module)  # type: ignore[arg-type]  # None is a TypeError too
+        except (OSError, TypeError):
+            raise BadInput(f"{self.name} '{name}' is no function of a module in a file") from None
+
+    def _compile(self, function: Function, name: str) -> CFunc:
+        """The law as a C function; not cached on disk, so that it cannot be stale."""
+        try:
+            pure = function
+            if not hasattr(function, "py_func"):
+                pure = numba.njit(error_model="numpy")(function)
+            return self.as_c(pure)
+        except Exception as error:  # whatever numba says of a user's function
+            text = words(error)
+            said = [n for n in text.splitlines() if n and not n.startswith("Failed in nopython")]
+            reason = said[0] if said else type(error).__name__
+            if WRITES.search(text):
+                reason = self.read_only
+            raise BadInput(f"{self.name} '{name}' cannot be compiled: {reason}") from None
