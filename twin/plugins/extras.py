@@ -1,7 +1,9 @@
-"""Packages that only some users need: an absent one says how it is installed."""
+"""Packages that only some users need: what an absent one and a damaged file are told as."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
@@ -21,3 +23,14 @@ def needed(module: str, extra: str, what: str, package: str) -> Any:
         return import_module(module)
     except ImportError:
         raise BadInput(f"{what} need {package}: pip install 'tractor-twin[{extra}]'") from None
+
+
+@contextmanager
+def refused_if_damaged(what: str) -> Iterator[None]:
+    """A library at work on a file: whatever it raises is BadInput, `not WHAT that can be read`."""
+    try:
+        yield
+    except BadInput:
+        raise
+    except Exception as error:  # a damaged file fails anywhere in it
+        raise BadInput(f"not {what} that can be read ({type(error).__name__}: {error})") from None

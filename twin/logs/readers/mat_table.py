@@ -17,7 +17,7 @@ from twin.logs.cells import Text
 from twin.logs.reader import Reader
 from twin.logs.readers.reading import Reading
 from twin.logs.signals import Found, Signal
-from twin.plugins.extras import needed
+from twin.plugins.extras import needed, refused_if_damaged
 from twin.streams import Array
 
 MOST_COLUMNS = 64
@@ -39,14 +39,8 @@ class Mat(Reader):
         with path.open("rb") as file:
             head = file.read(1024)
         hdf = _HDF in head[:16] or head[512:].startswith(_HDF) or b"MATLAB 7.3" in head[:128]
-        try:
+        with refused_if_damaged("a .mat file"):
             vectors = dict(_of_hdf(path) if hdf else _of_mat(path))
-        except BadInput:
-            raise
-        except Exception as error:  # a damaged file fails anywhere in it
-            raise BadInput(
-                f"not a .mat file that can be read ({type(error).__name__}: {error})"
-            ) from None
         if not vectors:
             raise BadInput("a .mat file without a numeric vector; tables and objects of MATLAB"
                            " become structs by table2struct(T, 'ToScalar', true)")  # fmt: skip

@@ -18,7 +18,7 @@ from twin.io.plain import Plain
 from twin.logs.reader import Reader
 from twin.logs.readers.reading import Reading
 from twin.logs.signals import Found, Signal
-from twin.plugins.extras import needed
+from twin.plugins.extras import needed, refused_if_damaged
 
 MOST_ITEMS = 16
 """Longer lists are pictures, clouds and scans."""
@@ -45,15 +45,11 @@ class Bag(Reader):
         highlevel = needed("rosbags.highlevel", "ros", "bags", "rosbags")
         typesys = needed("rosbags.typesys", "ros", "bags", "rosbags")
         store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
-        try:
-            with highlevel.AnyReader([path], default_typestore=store) as bag:
-                topics, lost = _topics(bag)
-        except BadInput:
-            raise
-        except Exception as error:  # a damaged file fails anywhere in it
-            raise BadInput(
-                f"not a bag that can be read ({type(error).__name__}: {error})"
-            ) from None
+        with (
+            refused_if_damaged("a bag"),
+            highlevel.AnyReader([path], default_typestore=store) as bag,
+        ):
+            topics, lost = _topics(bag)
         if not topics:
             raise BadInput("a bag without a message that holds a number")
         notes = [f"{topic}: {why}" for topic, why in lost.items()]
