@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from twin import errors as errors
     from twin import testing as testing
+    from twin.calibration.calibrate import calibrate as calibrate
     from twin.pipeline.estimating import Estimator as Estimator
     from twin.pipeline.public import estimate as estimate
     from twin.pipeline.public import load as load
@@ -37,6 +38,7 @@ _HOME = {
     "load": "twin.pipeline.public",
     "run": "twin.pipeline.public",
     "estimate": "twin.pipeline.public",
+    "calibrate": "twin.calibration.calibrate",
     "study": "twin.studies.study",
     "Result": "twin.pipeline.result",
     "Estimator": "twin.pipeline.estimating",
@@ -55,7 +57,7 @@ _MODULES = ("errors", "testing")
 
 __all__ = [
     "Course", "Drive", "Estimator", "Field", "Implement", "Machine", "Plough", "Result", "Scenario",
-    "Sensors", "Soil", "errors", "estimate", "load", "run", "study", "testing",
+    "Sensors", "Soil", "calibrate", "errors", "estimate", "load", "run", "study", "testing",
 ]  # fmt: skip
 
 

@@ -42,6 +42,9 @@ class Options:
     """Folder for the frames of the camera as PNG."""
     mask: tuple[float, float] | None = None
     """Mask both GNSS antennas: start of the mask and its duration [s]."""
+    posterior: int = 0
+    """Drive so many machines drawn from the posterior beside a calibrated machine's file, too, and
+    show the band of every figure."""
     view: bool = False
     """Open the recording in the rerun viewer at the end."""
     quiet: bool = False
@@ -82,6 +85,12 @@ def execute(
     run_folder.refuse_foreign(directory)  # before the work, not after it
     scenario = _masked(scenario, options.mask)
     refuse_unread(scenario, named)
+    if options.posterior:
+        from twin.calibration.drawn import posterior_of
+
+        if options.posterior < 2:
+            raise BadInput(f"--posterior {options.posterior}: 2 or more would do")
+        posterior_of(scenario.machine)
     _check_frames(scenario, options.frames)
     check_folder("figures", options.figures)
     estimators = load_estimators(options.estimators)
@@ -94,7 +103,28 @@ def execute(
         if options.figures is not None:
             result.figures(options.figures)
     _say(result, directory, options)
+    if options.posterior:
+        _drawn(scenario, options, directory)
     return result, directory
+
+
+def _drawn(scenario: Thing, options: Options, directory: Path) -> None:
+    """Drive machines of the posterior; write and print the bands of the drive's figures."""
+    from twin.calibration.drawn import bands, drawn
+    from twin.io.atomic import write_text
+    from twin.pipeline.run import run
+
+    truths = []
+    shown = not (options.quiet or options.json)
+    with progress("posterior", shown=shown) as told:
+        for i, each in enumerate(drawn(scenario, options.posterior, scenario.seed)):
+            truths.append(run(each, estimators=load_estimators("ratio")).scores["truth"])
+            told((i + 1) / options.posterior)
+    found = bands(truths)
+    write_text(directory / "posterior.json", json.dumps(found, indent=2))
+    if shown:
+        for name, (median, low, high) in found.items():
+            say(f"{name}: {median:.4g}, 95 % of {options.posterior} machines {low:.4g} to {high:.4g}")
 
 
 def _called(scenario: Thing, named: Collection[str]) -> str:
