@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,7 @@ from twin import logs
 from twin.calibration import files as written
 from twin.calibration import gears as found_gears
 from twin.calibration.applied import believed, can_fit, machine_with, soil_with
-from twin.calibration.evidence import CHANNELS, evidence
+from twin.calibration.evidence import evidence
 from twin.calibration.fitting import Fit, Prior, fit
 from twin.calibration.gears import Gear
 from twin.calibration.holdout import Holdout, held_out
@@ -29,16 +29,16 @@ from twin.calibration.segments import RULE as SEGMENT_RULE
 from twin.calibration.segments import segments
 from twin.calibration.steady import Steady
 from twin.calibration.steady_rows import RULE as ROW_RULE
-from twin.calibration.steady_rows import SteadyRows, steady_rows
-from twin.calibration.verdicts import Told, misfit_note, told, together
+from twin.calibration.steady_rows import steady_rows
+from twin.calibration.verdicts import Told, misfit_note, together, told
 from twin.errors import BadInput, UnknownName
 from twin.io.atomic import write_text
 from twin.logs import Log
 from twin.pipeline.log_check import log_lag
 from twin.scenario import Soil
-from twin.streams import Streams, Table
+from twin.streams import Table
 from twin.vehicle import Machine, files
-from twin.vehicle.derive import RPM, derive
+from twin.vehicle.derive import RPM
 from twin.vehicle.numerics import machine_facts
 
 Array = NDArray[np.float64]
@@ -63,6 +63,8 @@ CARRIED_SHARE = 0.2
 REFERENCE_OVER_PEAK = 1.02
 SCALES = (0.93, 1.07)
 """A scale of the wheels beyond these says that the map is another machine's."""
+RADII = (0.885, 0.995)
+"""A free rolling radius over half of the tyre's diameter."""
 LEAST_SCALE_SD, EMPTY_ROWS, EMPTY_MPS = 0.015, 20, 1.0
 
 
@@ -303,6 +305,10 @@ def _prior(task: _Task, names: Sequence[str], own: Mapping[str, tuple[float, flo
             low[i] = math.log(max(300.0, 1.13 * facts["engine.idle_rpm"]))
             high[i] = math.log(0.985 * facts["engine.no_load_rpm"])
             mean[i] = min(max(mean[i], low[i]), high[i])
+        if name.endswith("free_rolling_radius_m"):  # a file with another would be refused
+            axle = name.partition(".")[0]
+            radius_m = 0.5 * facts[f"tyre_{axle}.diameter_m"]
+            low[i], high[i] = np.log(np.array(RADII) * radius_m)
         if name == "engine.no_load_rpm":
             low[i] = math.log(max(1.002 * facts["engine.rated_rpm"],
                                   0.99 * facts["engine.no_load_rpm"]))  # fmt: skip
@@ -407,7 +413,7 @@ def _by_rollouts(task: _Task) -> Calibration:
                  for i, g in enumerate(driven)}  # fmt: skip
     proof = evidence(rows, [s for s, _ in kept])
     absent = _absent(task, proof.channels, turned)
-    names = [n for n in _chosen(task, ROLLOUT_NAMES, absent)]
+    names = list(_chosen(task, ROLLOUT_NAMES, absent))
     names += [n for n in set_names.values() if n not in names]
     if "log.wheel_scale" in names:
         names = [n for n in names if not n.endswith("radius_m")]

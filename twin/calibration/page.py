@@ -65,7 +65,8 @@ def scores(found: Calibration) -> list[list[str]]:
         return [["rows", "foretold without a measured slip"]]
     out = [[name, f"{value:.4f}"] for name, value in held.items() if value is not None]
     low, high = held["gain_low"], held["gain_high"]
-    assert low is not None and high is not None
+    assert low is not None
+    assert high is not None
     said = "a tie" if low <= 0.0 <= high else "better" if low > 0.0 else "worse"
     return [*out, ["against the straight line",
                    f"{said}, over blocks of {found.holdout.block_s:.0f} s"]]  # fmt: skip

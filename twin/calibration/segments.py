@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -96,7 +97,7 @@ def _pieces(chosen: NDArray[np.bool_], after: int) -> list[slice]:
             continue
         count = max(1, round((stop - first) / LONGEST_S))
         edges = np.linspace(first, stop, count + 1).round().astype(int)
-        out += [slice(int(a), int(b)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+        out += [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]
     return out
 
 
