@@ -25,7 +25,8 @@ class Power:
     covariance: Array | None = None
 
     def __post_init__(self) -> None:
-        self.time_s, self.floor = np.arange(len(self.x)) * 5.0, np.array([1e-6])
+        self.time_s: Array = np.arange(len(self.x), dtype=np.float64) * 5.0
+        self.floor: Array = np.array([1e-6])
 
     def foretold(self, values: Array) -> Array:
         return np.asarray(values[:, 0, None] * self.x ** values[:, 1, None])[..., None]
@@ -98,11 +99,11 @@ def test_what_was_kept_is_not_sought_again() -> None:
 
 def test_whitening_takes_the_correlation_out() -> None:
     tau_s, count = 20.0, 4000
-    kept = np.exp(-5.0 / tau_s)
-    noise = np.random.default_rng(0).standard_normal(count)
+    kept = float(np.exp(-5.0 / tau_s))
+    noise: Array = np.random.default_rng(0).standard_normal(count)
     for i in range(1, count):
         noise[i] = kept * noise[i - 1] + np.sqrt(1 - kept**2) * noise[i]
-    time_s = 5.0 * np.arange(count)
+    time_s: Array = 5.0 * np.arange(count, dtype=np.float64)
     found = estimated(0.3 * noise[:, None], time_s, np.array([1e-3]))
     assert found.tau_s == 20.0
     assert found.sd()[0, 0] == pytest.approx(0.3, rel=0.08)

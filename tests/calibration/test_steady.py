@@ -113,7 +113,7 @@ def test_only_the_asked_parameters_are_fitted_and_the_held_part_changes_nothing(
 ) -> None:
     def fitted(path: Path) -> list[float]:
         found = calibrate(path, log.with_name("map.toml"), machine="nh_t7165s", starts=1,
-                          parameters=["soil.cone_index_kpa"], hold_out_s=(2400.0, 4000.0))  # fmt: skip
+                          parameters=["soil.cone_index_kpa"], hold_out_s=(2400.0, 4e3))  # fmt: skip
         names = [p.name for p in found.parameters]
         assert names[0] == "soil.cone_index_kpa"
         assert all(n.startswith("log.") for n in names[1:])

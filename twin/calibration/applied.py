@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 from twin.calibration.known import FUEL_L_PER_KWH, GRADE_SHARES, KNOWN
 from twin.errors import BadInput
@@ -41,7 +42,9 @@ def machine_with(machine: Machine, values: Values) -> Machine:
 
 def soil_with(soil: Soil, values: Values) -> Soil:
     """The soil with other values; those of machine and log are passed over."""
-    own = {n.removeprefix("soil."): v for n, v in values.items() if n.startswith("soil.")}
+    own: dict[str, Any] = {
+        n.removeprefix("soil."): v for n, v in values.items() if n.startswith("soil.")
+    }
     fields = {n: v for n, v in own.items() if n in OWN_OF_SOIL}
     rest = {n: v for n, v in own.items() if n not in OWN_OF_SOIL}
     kept = soil.with_numbers()

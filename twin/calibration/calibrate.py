@@ -26,7 +26,7 @@ from twin.calibration.known import KNOWN, known
 from twin.calibration.posterior import Posterior
 from twin.calibration.seconds import seconds, with_speeds
 from twin.calibration.segments import RULE as SEGMENT_RULE
-from twin.calibration.segments import segments
+from twin.calibration.segments import Segment, segments
 from twin.calibration.steady import Steady
 from twin.calibration.steady_rows import RULE as ROW_RULE
 from twin.calibration.steady_rows import steady_rows
@@ -468,7 +468,7 @@ def _ratio(task: _Task, gear: Gear, turned: bool) -> float:
     return min(known_ratios, key=lambda r: abs(math.log(r / gear.ratio)))
 
 
-def _row_holdout(task: _Task, result: Fit, chosen: Sequence[object]) -> Holdout | None:
+def _row_holdout(task: _Task, result: Fit, chosen: Sequence[Segment]) -> Holdout | None:
     """Rows held back, foretold by the soil that was found; the rows' own nuisances are fitted."""
     try:
         torque, reference_nm, _, of_axle = _torque(task)
@@ -479,11 +479,9 @@ def _row_holdout(task: _Task, result: Fit, chosen: Sequence[object]) -> Holdout 
                                           strict=True))  # fmt: skip
     held_from = (
         min(s.rows.start for s in chosen if s.held_back)
-        if any(  # type: ignore[attr-defined]
-            s.held_back for s in chosen
-        )
+        if any(s.held_back for s in chosen)
         else len(task.rows["epoch_ns"])
-    )  # type: ignore[attr-defined]
+    )
     held = _held(task, found.time_s, found.working) if task.hold_out_s else (
         found.time_s >= held_from)  # fmt: skip
     fitted = found.chosen(~held & found.working & np.isfinite(found.ratio))
@@ -549,8 +547,8 @@ def _calibration(
     values = result.values
     found = told(result)
     noted = [*notes, *([said] if (said := misfit_note(result)) else [])]
-    noted += [f"{p.name} is at its bound, {p.value:.4g} {p.unit}: the log asks for more than it may "
-              "be" for p in found if p.at_bound]  # fmt: skip
+    noted += [f"{p.name} is at its bound, {p.value:.4g} {p.unit}: the log asks for more than is "
+              "allowed" for p in found if p.at_bound]  # fmt: skip
     away = np.abs(result.starts - result.u).max(axis=1) / np.sqrt(np.diag(result.cov)).max()
     if len(away) > 1 and away.max() > 1.0:
         noted.append("starts end in different places; the best of them is kept")

@@ -9,6 +9,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from twin.calibration.known import known
 from twin.report.draw import STYLE, Drawing
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from twin.calibration.fitting import Fit
     from twin.calibration.holdout import Holdout
 
+Array = NDArray[np.float64]
 MOST_IN_CORNER = 8
 
 
@@ -34,7 +36,7 @@ def residuals(found: Calibration) -> Drawing:
     return Drawing(title="Residuals over time", draw=draw)
 
 
-def parity(found: Calibration, measured: np.ndarray) -> Drawing:
+def parity(found: Calibration, measured: Array) -> Drawing:
     """Foretold against measured, each channel over its mean."""
 
     def draw(axes: Axes) -> None:
@@ -91,8 +93,8 @@ def corner(fit: Fit) -> str:
                     here.plot(x, y, color="#0072B2", lw=0.8)
         figure.set_layout_engine("constrained")
         text = io.StringIO()
-        figure.savefig(text, format="svg", transparent=True,
-                       metadata={"Date": None, "Creator": None, "Format": None, "Type": None})  # fmt: skip
+        nameless = {"Date": None, "Creator": None, "Format": None, "Type": None}
+        figure.savefig(text, format="svg", transparent=True, metadata=nameless)
     element = text.getvalue()
     element = element[element.index("<svg") :]
     label = '<svg role="img" aria-label="Corner plot" class="figure spread" '

@@ -38,7 +38,8 @@ def soil_toml(soil: Soil, source: str) -> str:
     """A soil's file: what a preset says, at the values that were found."""
     plain = {k: v for k, v in to_plain(soil.resolved).items() if k != "name"}
     plain["about"] = f"calibrated from {source}"
-    return f"# Written by twin calibrate: twin run NAME --soil.preset THIS.toml\n{_table(plain, {}, '')}"
+    head = "# Written by twin calibrate: twin run NAME --soil.preset THIS.toml"
+    return f"{head}\n{_table(plain, {}, '')}"
 
 
 def _table(plain: Mapping[str, Plain], graded: Mapping[str, tuple[str, str]], path: str) -> str:

@@ -54,14 +54,25 @@ class Prior:
 class Model(Protocol):
     """What foretells the measurements of the rows that are fitted."""
 
-    measured: Array
-    """Shape (n, c)."""
-    time_s: Array
-    """Shape (n,)."""
-    covariance: Array | None
-    """Of each row's noise, (n, c, c); None where it has to be estimated."""
-    floor: Array
-    """Least sd of each channel, (c,)."""
+    @property
+    def measured(self) -> Array:
+        """Shape (n, c)."""
+        ...
+
+    @property
+    def time_s(self) -> Array:
+        """Shape (n,)."""
+        ...
+
+    @property
+    def covariance(self) -> Array | None:
+        """Of each row's noise, (n, c, c); None where it has to be estimated."""
+        ...
+
+    @property
+    def floor(self) -> Array:
+        """Least sd of each channel, (c,)."""
+        ...
 
     def foretold(self, values: Array) -> Array:
         """The channels in all rows for parameters (k, p): shape (k, n, c)."""
@@ -251,6 +262,6 @@ def _posterior(
     weight, cost = _weights(model, prior, noise, foretold, u)
     matrix, _ = _normal(model, prior, noise, foretold, slopes, u, weight)
     return Fit(
-        prior=prior, u=u, cov=np.linalg.inv(matrix), noise=noise, residual=residual, white=white,
+        prior=prior, u=u, cov=np.asarray(np.linalg.inv(matrix), np.float64), noise=noise, residual=residual, white=white,
         slopes=slopes, cost=cost, misfit=misfit, costs=tuple(costs), starts=np.array(ends),
     )  # fmt: skip

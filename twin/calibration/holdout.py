@@ -55,10 +55,11 @@ def held_out(model: Steady, fit: Fit, fitted: SteadyRows, seed: int = 0) -> Hold
     work = fitted.chosen(fitted.working)
     size = float(np.median(work.force))
     found = 1.0 - work.ratio / scale
-    line = least_squares(
-        lambda p: p[0] + p[1] * work.force / size - found, [0.0, 0.1], loss="huber",
-        f_scale=HUBER_SLIP,
-    ).x  # fmt: skip
+
+    def left(p: Array) -> Array:
+        return np.asarray(p[0] + p[1] * work.force / size - found)
+
+    line = least_squares(left, [0.0, 0.1], loss="huber", f_scale=HUBER_SLIP).x
     straight, constant = line[0] + line[1] * rows.force / size, float(np.median(found))
     known = np.isfinite(measured)
     lasts_s = float(np.ptp(rows.time_s[known])) if known.any() else 0.0

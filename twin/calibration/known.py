@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 GRADE_SHARES = {"measured": 0.2, "published": 0.4, "given": 0.5, "derived": 0.7, "assumed": 1.0}
 """Prior sd over that of an assumed number, by the grade of the machine file's number."""
@@ -35,7 +36,7 @@ class Known:
     """Its value from the numerics of a hand-made MJCF."""
 
 
-def _numeric(name: str, default: float | None = None) -> dict[str, Callable[..., object]]:
+def _numeric(name: str, default: float | None = None) -> dict[str, Any]:
     """Reader and writer of a parameter that is one numeric."""
     return {
         "numerics": lambda numbers, value: {name: value},
@@ -90,7 +91,7 @@ MACHINE = (
 SOIL = (
     Known(
         name="soil.cone_index_kpa", unit="kPa", about="cone index", spread=0.5, low=50.0,
-        high=5000.0, settles="a cone penetrometer, or a coast-down beside a pass with the plough up",
+        high=5000.0, settles="a penetrometer, or a coast-down beside a pass with the plough up",
     ),
     Known(
         name="soil.friction", unit="-", about="friction", spread=0.07, low=0.05, high=1.5,

@@ -44,7 +44,7 @@ class Noise:
 
 def known(covariance: Array) -> Noise:
     """Independent rows of known covariance (n, c, c)."""
-    return Noise(np.linalg.cholesky(covariance), 0.0)
+    return Noise(np.asarray(np.linalg.cholesky(covariance), np.float64), 0.0)
 
 
 def whitened(noise: Noise, residual: Array, time_s: Array) -> Array:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -51,7 +52,7 @@ class Gear:
 
 @dataclass(frozen=True)
 class Condition:
-    """What is driven alike: all segments of work in one gear, or all that are driven empty in it."""
+    """What is driven alike: all segments of work, or all that are empty, in one gear."""
 
     working: bool
     gear: Gear
@@ -71,7 +72,7 @@ class Drawn:
     def scenario(self, values: Values, gear: Gear) -> Scenario:
         """The drive with some parameters, in a gear."""
         machine = machine_with(self.machine, values)
-        still = {"draft_cv": 0.0, "ripple_cv": 0.0, "strength_cv": 0.0}
+        still: dict[str, Any] = {"draft_cv": 0.0, "ripple_cv": 0.0, "strength_cv": 0.0}
         soil = replace(soil_with(self.soil, values), **still)
         part = self.implement
         return Scenario(

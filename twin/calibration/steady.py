@@ -97,8 +97,13 @@ class Steady:
     """Whether the rows' torque is the rear axle's, over the reference torque."""
 
     def __post_init__(self) -> None:
-        scenario = Scenario(name="calibrate", machine=self.machine.name, soil=self.soil,
-                            machine_numbers=self.machine, course=Course(length_m=100.0))  # fmt: skip
+        scenario = Scenario(
+            name="calibrate",
+            machine=self.machine.name,
+            machine_numbers=self.machine,
+            soil=self.soil,
+            course=Course(length_m=100.0),
+        )
         whole = assemble(scenario)
         data = whole.model.numeric_data[-block.SIZE :]
         self._soil = data[block.SOIL : block.WHEEL].copy()

@@ -27,8 +27,8 @@ FEWEST = 12
 RULE = (
     f"Rows are means over {ROW} s of steady work: the wheels faster than {LEAST_MPS:g} m/s, their "
     f"speed changing by less than {STEADY_MPS2:g} m/s a second, the heading within "
-    f"{math.degrees(STRAIGHT_RAD):.0f} degrees, the engine above {LEAST_RPM:.0f} rpm; and of driving"
-    f" empty, the speed changing by less than {EMPTY_MPS2:g} m/s a second."
+    f"{math.degrees(STRAIGHT_RAD):.0f} degrees, the engine above {LEAST_RPM:.0f} rpm; and of "
+    f"driving empty, the speed changing by less than {EMPTY_MPS2:g} m/s a second."
 )
 
 

@@ -67,14 +67,14 @@ def main(args: Sequence[str]) -> int:
             raise BadInput(f"--{option} {getattr(options, option)}: 1 or more would do")
     held = _span(options.hold_out)
     from twin.calibration.calibrate import calibrate
+    from twin.io.atomic import made, write_text
     from twin.scenario import Soil
 
     given = Path(options.machine)
     folder = options.out or (given.parent if given.suffix == ".toml" else Path())
     stem = given.stem if given.suffix in (".toml", ".xml") else options.machine
-    folder.mkdir(parents=True, exist_ok=True)
     names = [n.strip() for n in options.parameters.split(",") if n.strip()]
-    with waiting("calibrating", shown=options.talks):
+    with made(folder), waiting("calibrating", shown=options.talks):
         found = calibrate(
             options.log, options.map, machine=options.machine, parameters=names or None,
             hold_out_s=held, implement=options.implement,
@@ -85,8 +85,6 @@ def main(args: Sequence[str]) -> int:
     if options.json == STDOUT:
         print(json.dumps(found.scores, indent=2))
     elif options.json is not None:
-        from twin.io.atomic import write_text
-
         write_text(options.json, json.dumps(found.scores, indent=2) + "\n")
     if options.talks:
         _say(found, paths)

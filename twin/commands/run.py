@@ -124,9 +124,7 @@ def _drawn(scenario: Thing, options: Options, directory: Path) -> None:
     write_text(directory / "posterior.json", json.dumps(found, indent=2))
     if shown:
         for name, (median, low, high) in found.items():
-            say(
-                f"{name}: {median:.4g}, 95 % of {options.posterior} machines {low:.4g} to {high:.4g}"
-            )
+            say(f"{name}: {median:.4g}, {low:.4g} to {high:.4g} (95 % of the machines)")
 
 
 def _called(scenario: Thing, named: Collection[str]) -> str:
