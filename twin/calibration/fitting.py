@@ -261,7 +261,8 @@ def _posterior(
         noise = noise.scaled(misfit)
     weight, cost = _weights(model, prior, noise, foretold, u)
     matrix, _ = _normal(model, prior, noise, foretold, slopes, u, weight)
+    cov = np.asarray(np.linalg.inv(matrix), np.float64)
     return Fit(
-        prior=prior, u=u, cov=np.asarray(np.linalg.inv(matrix), np.float64), noise=noise, residual=residual, white=white,
+        prior=prior, u=u, cov=cov, noise=noise, residual=residual, white=white,
         slopes=slopes, cost=cost, misfit=misfit, costs=tuple(costs), starts=np.array(ends),
     )  # fmt: skip
