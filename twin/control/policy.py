@@ -162,7 +162,7 @@ def load(file: Path, environment: str = "Plough-v0") -> Policy:
         import stable_baselines3
     except ImportError:
         raise BadInput(
-            f"--policy {file} needs stable-baselines3: pip install 'tractor-twin[rl]'"
+            f"--policy {file} needs stable-baselines3: pip install '.[rl]' in a checkout"
         ) from None
     if not file.is_file():
         raise BadInput(f"--policy {file}: there is no such file")
