@@ -1,6 +1,6 @@
-"""What each measurement was off what a filter foretold: innovations, for whoever tunes or tests one.
+"""Innovations: what each measurement was off what a filter foretold.
 
-A filter notes them in its memory while that is asked for. Its estimates do not change by it.
+A filter notes them in its memory where they are wanted. Its estimates do not change by it.
 """
 
 from __future__ import annotations

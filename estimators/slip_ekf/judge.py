@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from estimators.kalman import Array, Record
 from estimators.innovations import note
+from estimators.kalman import Array, Record
 from estimators.layout import STALE_S
 from estimators.slip_ekf.consensus import cost
 from estimators.slip_ekf.layout import (
