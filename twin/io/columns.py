@@ -249,6 +249,14 @@ TRUTH: Columns = {
         "from full depth until the plough is out of the ground; full depth is 95 % of the set "
         "depth, 50 % with `plough.hitch` draft or mix",
     ),
+    "phase": Column(
+        "code", "-",
+        "what the driver is doing, int64: 0 stop, standing on purpose; 1 road, driven with the "
+        "implement raised or without one; 2 turn, on a headland; 3 work, the implement lowered",
+    ),
+    "gear_ratio": Column(
+        "-", "-", "engine turns per turn of the rear axle; negative in a reverse gear"
+    ),
     "engine_radps": Column("rad/s", "-", "speed of the engine's crankshaft"),
     "engine_torque_nm": Column("N m", "-", "torque of the crankshaft"),
     "axle_torque_nm": Column("N m", "-", "torque of the driven axle, both wheels together"),

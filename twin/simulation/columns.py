@@ -66,6 +66,8 @@ CLOSING = (
 """What closes the power balance: generalised speeds and forces."""
 RECORDED = ("sensordata", "userdata", *CLOSING)
 """What a run records of every step."""
+DECIDED = ("phase", "gear_ratio")
+"""What a driver of a course adds to it."""
 
 
 class Recorder:
@@ -119,6 +121,9 @@ class Recorder:
             columns |= self._closing(
                 {k: np.concatenate([r[k][0] for r in records]) for k in CLOSING}
             )
+        for name in DECIDED:
+            if name in records[0]:
+                columns[name] = np.concatenate([r[name][0] for r in records])
         return Trajectory(epoch_ns, columns, end)
 
     def _closing(self, record: dict[str, Array]) -> dict[str, Array]:

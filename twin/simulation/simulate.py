@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from twin.compute import quaternion
 from twin.machine.build import Machine
 from twin.physics.engine import radps_to_rpm
@@ -16,6 +18,7 @@ from twin.simulation.passes import Passes
 from twin.simulation.quiet import quiet
 from twin.simulation.simulation import DECISION_S, Simulation
 from twin.trajectory.end import End, Outcome
+from twin.trajectory.phase import Phase
 from twin.trajectory.trajectory import Trajectory
 
 CHUNK_DECISIONS = 50
@@ -63,7 +66,17 @@ class CourseRun:
             self.observe()
         self.seen_from = None
         self.simulation.decide()
-        return self.simulation.run()
+        record = self.simulation.run()
+        count = len(record["userdata"][0])
+        record["phase"] = np.full((1, count), float(self.phase()))
+        record["gear_ratio"] = np.full((1, count), self.machine.scenario.gear.ratio)
+        return record
+
+    def phase(self) -> Phase:
+        """What the driver is doing since the last decision."""
+        if self.passes.turning:
+            return Phase.TURN
+        return Phase.WORK if self.ploughs and self.driver["working"] else Phase.ROAD
 
     def end(self) -> End | None:
         """The end of the drive if it has ended, else None; call it once after each decision."""
