@@ -109,7 +109,7 @@ OTHER = {
     "front.tyre": "9.5-24", "rear.tyre": "16.9-30", "engine.droop": 0.05,
     "engine.torque_points": ((1400.0, 400.0), (2200.0, 321.0)), "engine.pto_power_kw": 60.0,
     "transmission.ratios": (60.0, 80.0), "transmission.speeds_kmh": (6.0, 9.0),
-    "transmission.cvt_ratio": (70.0, 2000.0), "linkage.lower_pivot_m": (-0.1, -0.2),
+    "transmission.kind": "synchronised", "transmission.cvt_ratio": (70.0, 2000.0), "linkage.lower_pivot_m": (-0.1, -0.2),
     "linkage.top_pivot_m": (-0.2, 0.3), "places.gnss_main_m": (0.5, 0.5, 2.0),
     "places.gnss_aux_m": (0.5, -0.4, 2.0), "places.imu_m": (0.1, 0.0, 0.2),
     "places.camera_m": (0.9, 0.0, 0.1), "front_axle_kg": 1700.0, "rear_axle_kg": 2500.0,

@@ -24,6 +24,7 @@ from twin.machine.plough_setting import (
     set_plough,
 )
 from twin.machine.start import standing, unloaded_speed_mps, unsettled
+from twin.machine.tanks import fit_tanks
 from twin.machine.turnover import turn_over
 from twin.physics import block
 from twin.physics.callback import install
@@ -102,6 +103,7 @@ def assemble(
         _fit_tractor(spec, scenario.plough, numbers)
         turn_over(spec, scenario.plough, numbers)
         spec.body("plough.frame").quat = levelled(furrow_roll_rad(scenario, spec))
+    fit_tanks(spec, scenario.events, numbers)
     spec.option.timestep = scenario.timestep_s
     spec.add_sensor(name="potential_j", type=mujoco.mjtSensor.mjSENS_E_POTENTIAL)
     spec.add_sensor(name="kinetic_j", type=mujoco.mjtSensor.mjSENS_E_KINETIC)

@@ -28,8 +28,8 @@ class Patch:
     """Cone index there, over that of the soil around [-]."""
 
     def __post_init__(self) -> None:
-        check_range("patch.start_m", self.start_m, -1000.0, 10000.0)
-        check_range("patch.length_m", self.length_m, 0.5, 10000.0)
+        check_range("patch.start_m", self.start_m, -20000.0, 10000.0)
+        check_range("patch.length_m", self.length_m, 0.5, 40000.0)
         check_range("patch.friction_factor", self.friction_factor, 0.1, 2.0)
         check_range("patch.cone_index_factor", self.cone_index_factor, 0.1, 4.0)
 
