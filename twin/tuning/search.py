@@ -6,7 +6,7 @@ x are logarithms of factors on what is assumed now, l_b the log density of the i
 b. Innovations of a filter whose model is not exact are not independent, so nothing is concluded
 from the curvature of l alone. A noise is moved if it is more than two sd away by
 
-    cov x = H^-1 J H^-1,   H = -Hessian,   J = n cov_b(dl_b / dx)
+    cov x = H^-1 J H^-1,   H = -Hessian,   J = n cov_b(dl_b / dx) + diag(1 / prior^2)
 
 and, where that is asked for, if the blocks, paired, are likelier with what is moved than without.
 
@@ -185,7 +185,7 @@ def _sd(score: Score, x: Array, free: NDArray[np.int64], prior_sd: Array) -> Arr
     sd = np.full(k, np.nan)
     if curved[0] > 0.0:
         inverse = ways / curved @ ways.T
-        spread = np.atleast_2d(np.cov(slope)) * slope.shape[1]
+        spread = np.atleast_2d(np.cov(slope)) * slope.shape[1] + np.diag(1.0 / prior_sd[free] ** 2)
         return np.sqrt(np.diag(inverse @ spread @ inverse))
     level = np.abs(ways[:, 0]).argmax()  # the one that the likelihood tells least
     kept = np.arange(k) != level
