@@ -101,15 +101,12 @@ class SlipEkf:
     of 0.2 s of the IMA-PKF paper."""
 
     tunable: ClassVar[Mapping[str, str]] = {
-        "jerk_psd": "assumed",
-        "own_share": "assumed",
         "usual_psd": "assumed",
         "swing_sd": "assumed",
         "leak_psd": "assumed",
-        "quick_sd": "assumed",
-        "receiver_share": "assumed",
+        "bias_psd": "assumed",
     }
-    """What innovations may tell of, and the grade of what stands above."""
+    """What innovations may tell of and the filter does not learn itself, with its grade."""
 
     def init(self, setup: Setup) -> State:
         """The state before the first sample."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,8 @@ class Gain:
     n: int
     """Pairs."""
     more_is_better: bool = False
+    decides: bool = True
+    """Whether the verdict hangs on it; a reference, which few logs have, decides nothing."""
 
     @property
     def verdict(self) -> str:
@@ -50,16 +52,17 @@ class Gain:
         return "better" if (self.low > 0.0) == self.more_is_better else "worse"
 
 
-def density_gain(before: Array, after: Array, n: Array) -> Gain:
+def density_gain(quantity: str, before: Array, after: Array, n: Array) -> Gain:
     """The gain of log density per measurement.
 
     Args:
+        quantity: what it is called.
         before, after: sums of each block.
         n: innovations in each block.
     """
     step = mean((after - before) / n)
     return Gain(
-        quantity="log density of a measurement", unit="1",
+        quantity=quantity, unit="1",
         before=float(np.mean(before / n)), after=float(np.mean(after / n)),
         change=step.mean, low=step.low, high=step.high, n=step.n, more_is_better=True,
     )  # fmt: skip
@@ -134,6 +137,6 @@ def of_reference(
             continue
         n = np.bincount(block[both], minlength=len(edges_ns) - 1)
         sums = [np.bincount(block[both], s[both], len(edges_ns) - 1)[n > 0] for s in squares]
-        gain = rms_gain(column, unit, *(s / n[n > 0] for s in sums))
+        gain = rms_gain(f"{column} against the reference", unit, *(s / n[n > 0] for s in sums))
         if gain is not None:
-            yield gain
+            yield replace(gain, decides=False)

@@ -16,11 +16,12 @@ from twin.errors import BadInput
 from twin.io.atomic import write_text
 from twin.pipeline.tuned import SCHEMA, Noises, tuned
 from twin.plugins.percent import MOVING_MPS
+from twin.streams import Streams
 from twin.tuning import held_out
 from twin.tuning.held_out import AFTER, BEFORE, Gain
 from twin.tuning.likelihood import in_blocks, innovations
 from twin.tuning.noises import Noise, moved, noises_of
-from twin.tuning.search import Found, search
+from twin.tuning.search import Prior, changes, search
 
 if TYPE_CHECKING:
     from twin.logs import Log, Reader
@@ -30,10 +31,12 @@ Array = NDArray[np.float64]
 
 BLOCKS = 20
 """Blocks of each part of a log, by which intervals are made."""
-SETTLE_S = 5.0
-"""The first innovations are of an unknown start, and do not count [s]."""
 LEAST_S, LEAST_INNOVATIONS = 30.0, 300
 """Least time of driving [s] and least number of innovations in each of the two parts."""
+RECEIVER = "gnss"
+"""Sensor whose innovations are those of the ground speed."""
+UNTOUCHED = 1e-3
+"""Change of the receiver's log density below which a value has nothing to do with the speed."""
 GAP_S = 3.0
 """Between innovations further apart than this nothing was driven [s]."""
 
@@ -53,7 +56,8 @@ class Value:
     high: float
     """95 % interval; NaN where there is none."""
     why: str
-    """`tuned`, `tuned, at its bound`, `no difference told`, or `flat`."""
+    """`tuned`, `tuned, at its bound`, `not confirmed` (on the held-out part), `no difference told`,
+    or `flat`."""
     gain: float
     """Log density that this value alone gains on the held-out part."""
 
@@ -71,20 +75,18 @@ class Tuning:
     learnt_s: float
     held_out_s: float
 
+    kept: str
+    """What of it holds on the held-out part: `all`, `sensors` or `nothing`."""
+
     @property
     def verdict(self) -> str:
-        """Of the held-out part: `better`, `worse` or `no difference`.
-
-        `better` where the log density is, and no error of the speed is worse.
-        """
-        of = {gain.quantity: gain.verdict for gain in self.gains}
-        density, *others = of.values()
-        return "worse" if density == "better" and "worse" in others else density
+        """Of what is kept, on the held-out part: `better`, `worse` or `no difference`."""
+        return verdict(self.gains)
 
     @property
     def noises(self) -> Noises:
-        """What `--tuning` takes: nothing differs unless the held-out part is better."""
-        told = [v for v in self.values if v.value != v.before and self.verdict == "better"]
+        """What `--tuning` takes."""
+        told = [v for v in self.values if v.value != v.before]
         return Noises(
             values={v.name: v.value for v in told if not v.is_factor},
             factors={v.name: v.value for v in told if v.is_factor},
@@ -152,38 +154,122 @@ def tune_one(
     noises = noises_of(name, estimator, setup, streams)
     whole = innovations(name, estimator, setup, streams)
     learn_ns, rest_ns = _parts(name, whole, learn_share)
-    part = _until(streams, int(learn_ns[-1]))
 
-    def score(x: Array, seen: Any = part, edges_ns: Any = learn_ns) -> Array:
+    def densities(x: Array, seen: Streams, edges_ns: NDArray[np.int64]) -> dict[str, Array]:
         other = tuned(name, estimator, moved(noises, x))
         return in_blocks(innovations(name, other, setup, seen), edges_ns)
 
-    found = search(
-        _kept(score), np.array([n.prior_sd for n in noises]), np.array([n.bound for n in noises]),
-        seed,
-    )  # fmt: skip
+    part = _until(streams, int(learn_ns[-1]))
+    stages = _stages(_kept(lambda x: densities(x, part, learn_ns)), noises, seed)
 
-    def rest(x: Array) -> Array:
-        return score(x, streams, rest_ns)
+    def gains(x: Array, less: Array) -> tuple[Gain, ...]:
+        """Of noises x over noises `less`, on the held-out part."""
+        pair = {
+            BEFORE: tuned(name, estimator, moved(noises, less)),
+            AFTER: tuned(name, estimator, moved(noises, x)),
+        }
+        found = [*_densities(densities(less, streams, rest_ns), densities(x, streams, rest_ns),
+                             whole, rest_ns)]  # fmt: skip
+        if (x != less).any():
+            ahead = held_out.foretold(pair, setup, streams, int(rest_ns[0]))
+            found += [ahead] if ahead is not None else []
+            found += held_out.of_reference(pair, setup, streams, dict(reference), rest_ns)
+        return tuple(found)
 
-    before, after = in_blocks(whole, rest_ns), rest(found.x)
-    n = np.histogram(whole["epoch_ns"], rest_ns)[0]
-    gains = [held_out.density_gain(before, after, n)]
-    if found.x.any():
-        pair = {BEFORE: estimator, AFTER: tuned(name, estimator, moved(noises, found.x))}
-        ahead = held_out.foretold(pair, setup, streams, int(rest_ns[0]))
-        gains += [ahead] if ahead is not None else []
-        gains += held_out.of_reference(pair, setup, streams, dict(reference), rest_ns)
-    own = [float((after - rest(_without(found.x, k))).sum()) if found.x[k] else 0.0
-           for k in range(len(noises))]  # fmt: skip
+    x, kept = np.zeros(len(noises)), "nothing"
+    if stages.sensors.any() and verdict(gains(stages.sensors, x)) != "worse":
+        x, kept = stages.sensors, "sensors"
+    if (stages.all != stages.sensors).any():
+        whole_x = np.where([n.is_factor for n in noises], x, stages.all)
+        if verdict(gains(whole_x, x)) == "better":
+            x, kept = whole_x, "all"
+    after = _all(densities(x, streams, rest_ns)).sum()
+    own = [after - _all(densities(_without(x, k), streams, rest_ns)).sum() if by else 0.0
+           for k, by in enumerate(x)]  # fmt: skip
     return Tuning(
         estimator=name,
-        values=tuple(_value(n, found, k, own[k]) for k, n in enumerate(noises)),
-        gains=tuple(gains),
-        starts=found.starts,
+        values=tuple(_value(n, x[k], stages, k, own[k]) for k, n in enumerate(noises)),
+        gains=gains(x, np.zeros(len(noises))),
+        starts=stages.starts,
         learnt_s=_driven_s(_between(whole["epoch_ns"], learn_ns)),
         held_out_s=_driven_s(_between(whole["epoch_ns"], rest_ns)),
+        kept=kept,
     )
+
+
+def verdict(gains: Iterable[Gain]) -> str:
+    """`better` where the log density is, and nothing that tells of the speed is worse."""
+    density, *others = (gain.verdict for gain in gains if gain.decides)
+    return "worse" if "worse" in others else density
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Stages:
+    """Logarithms of factors on the noises, (k,), as the learnt part has them."""
+
+    sensors: Array
+    """With the sensors' noises alone moved."""
+    all: Array
+    sd: Array
+    flat: NDArray[np.bool_]
+    starts: tuple[float, ...]
+
+
+def _stages(
+    densities: Callable[[Array], dict[str, Array]], noises: list[Noise], seed: int
+) -> _Stages:
+    """Noises of sensors by all innovations, then those of the filter by the receiver's alone.
+
+    A filter's model is never exact. What it gains where most innovations are, fifty a second of an
+    accelerometer, may cost it the speed. So the filter's own values are found by how well it
+    foretells the receiver's speed, and those that do not touch that by all innovations.
+    """
+
+    def total(x: Array) -> Array:
+        return _all(densities(x))
+
+    def receiver(x: Array) -> Array:
+        sums = densities(x)
+        return sums.get(RECEIVER, _all(sums))
+
+    prior = Prior(
+        sd=np.array([n.prior_sd for n in noises]), bound=np.array([n.bound for n in noises])
+    )
+    of_sensors = np.array([n.is_factor for n in noises], bool)
+    start = np.zeros(len(noises))
+    sensors = search(total, prior, of_sensors, start, paired=False, seed=seed)
+    motion = search(receiver, prior, ~of_sensors, sensors.x, paired=True, seed=seed)
+    untouched = ~changes(receiver, prior, ~of_sensors, motion.x, UNTOUCHED)
+    asked = ~of_sensors & untouched & motion.flat
+    others = search(total, prior, asked, motion.x, paired=True, seed=seed)
+    stages = (sensors, motion, others)
+    sd = np.max([np.nan_to_num(f.sd, nan=0.0) for f in stages], axis=0)
+    return _Stages(
+        sensors=sensors.x,
+        all=others.x,
+        sd=np.where(sd > 0.0, sd, np.nan),
+        flat=np.all([f.flat for f in stages], axis=0),
+        starts=tuple(end for f in stages for end in f.starts),
+    )
+
+
+def _all(sums: Mapping[str, Array]) -> Array:
+    total: Array = np.sum([*sums.values()], axis=0)
+    return total
+
+
+def _densities(
+    before: Mapping[str, Array], after: Mapping[str, Array], table: Mapping[str, Any],
+    edges_ns: NDArray[np.int64],
+) -> Iterable[Gain]:  # fmt: skip
+    """The gain of density of all innovations, and of the receiver's alone."""
+    n = np.histogram(table["epoch_ns"], edges_ns)[0]
+    yield held_out.density_gain("log density of a measurement", _all(before), _all(after), n)
+    if RECEIVER in before and RECEIVER in after:
+        n = np.histogram(table["epoch_ns"][table["sensor"] == RECEIVER], edges_ns)[0]
+        if n.all():
+            what = "the same of GNSS speed"
+            yield held_out.density_gain(what, before[RECEIVER], after[RECEIVER], n)
 
 
 def _parts(
@@ -200,7 +286,6 @@ def _parts(
             f"the log gives estimator '{name}' no innovations while driving above {MOVING_MPS:g} "
             "m/s; wheel speeds and GNSS speed are needed"
         )
-    epoch_ns = epoch_ns[epoch_ns > epoch_ns[0] + round(SETTLE_S * 1e9)]
     middle = int(learn_share * len(epoch_ns))
     edges = []
     for what, part in (("to learn from", epoch_ns[:middle]), ("held out", epoch_ns[middle:])):
@@ -221,10 +306,8 @@ def _driven_s(epoch_ns: NDArray[np.int64]) -> float:
     return float(step_s[step_s < GAP_S].sum())
 
 
-def _until(streams: Any, stop_ns: int) -> Any:
+def _until(streams: Streams, stop_ns: int) -> Streams:
     """The samples that arrived before an instant."""
-    from twin.streams import Streams
-
     return Streams({
         sensor: {k: v[: np.searchsorted(table["arrival_ns"], stop_ns)] for k, v in table.items()}
         for sensor, table in streams.tables.items()
@@ -235,11 +318,11 @@ def _between(epoch_ns: NDArray[np.int64], edges_ns: NDArray[np.int64]) -> NDArra
     return np.sort(epoch_ns[(epoch_ns >= edges_ns[0]) & (epoch_ns < edges_ns[-1])])
 
 
-def _kept(score: Callable[[Array], Array]) -> Callable[[Array], Array]:
-    """The score, computed once for each point."""
-    known: dict[bytes, Array] = {}
+def _kept(score: Callable[[Array], dict[str, Array]]) -> Callable[[Array], dict[str, Array]]:
+    """The densities, computed once for each point."""
+    known: dict[bytes, dict[str, Array]] = {}
 
-    def looked_up(x: Array) -> Array:
+    def looked_up(x: Array) -> dict[str, Array]:
         key = np.asarray(x, np.float64).tobytes()
         if key not in known:
             known[key] = score(x)
@@ -252,16 +335,17 @@ def _without(x: Array, k: int) -> Array:
     return np.where(np.arange(len(x)) == k, 0.0, x)
 
 
-def _value(noise: Noise, found: Found, k: int, gain: float) -> Value:
-    by, sd = found.x[k], found.sd[k]
-    at_bound = abs(by) > 0.99 * noise.bound
-    why = "flat" if found.flat[k] else "no difference told"
+def _value(noise: Noise, by: float, stages: _Stages, k: int, gain: float) -> Value:
+    why = "flat" if stages.flat[k] else "no difference told"
     if by != 0.0:
-        why = "tuned, at its bound" if at_bound else "tuned"
+        why = "tuned, at its bound" if abs(by) > 0.99 * noise.bound else "tuned"
+    elif stages.all[k] != 0.0:
+        why = "not confirmed"
+    sd = stages.sd[k] if by != 0.0 else math.nan
     low, high = (noise.before * math.exp(by + way * sd) for way in (-1.96, 1.96))
     return Value(
         name=noise.name, is_factor=noise.is_factor, grade=noise.grade, before=noise.before,
-        value=noise.before * math.exp(by), low=low, high=high, why=why, gain=gain,
+        value=noise.before * math.exp(by), low=low, high=high, why=why, gain=float(gain),
     )  # fmt: skip
 
 
