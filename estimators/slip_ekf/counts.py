@@ -8,25 +8,21 @@ import numpy as np
 
 from estimators.kalman import Array, Record
 from estimators.layout import STALE_S
-from estimators.slip_ekf import learn, motion, rows
+from estimators.slip_ekf import learn, motion, rows, unloaded
 from estimators.slip_ekf.begin import begin
 from estimators.slip_ekf.held import HELD, PLOUGH
 from estimators.slip_ekf.judge import heard, judged
 from estimators.slip_ekf.layout import (
-    BIAS,
     FROM_DRIVEN,
     FROM_GNSS,
     FROM_TOWED,
     FRONT,
     NUMBER,
     ONE_WHEEL,
-    RADIUS,
-    RAISED,
     RATE,
     READING,
     REAR,
     SIZE,
-    TOWED,
     USUAL,
     A,
     V,
@@ -55,15 +51,6 @@ SETTLE, SLOW_MPS = 100.0, 0.2
 """Samples over which the noise of the counts is averaged, and the speed above which [m/s]."""
 AHEAD_S = 0.06
 """No further ahead of the newest gyro sample is the pitch predicted [s]."""
-ZERO_SLIP, ZERO_SLIP_SD, ZERO_SLIP_S, MOST_ZERO_SLIP_S = 0.0055, 0.015, 0.02, 0.5
-"""Slip with the plough out of the ground, the middle of the 0.2-0.9 % that pull nothing, and its sd
-over so long [s]: 0.3 % over half a second, and one sample never says more."""
-UNLOAD, UNLOAD_SD, LOAD, LOAD_SD = -0.0045, 0.002, 0.0065, 0.002
-"""Change of the counted over the true speed when the plough goes down, and its sd: each rear wheel
-loses about 7 kN and its radius grows, by 0.4 to 0.5 % in the twin; the front wheels get it and
-shrink."""
-SETTLE_SD_MPS2 = 0.05
-"""sd by which gravity's part changes then, as the body settles another way."""
 
 
 @array_law
@@ -131,7 +118,7 @@ def take_wheels(
     _take_front(age, tau, spans, front, front_var, front_turn, h, tuning, memory)
     _take_rear(age, tau, spans, rear, rear_var, dt, h, tuning, memory)
     _take_accel(signal, dt, h, memory)
-    _zero(slower[PLOUGH], dt, h, memory)
+    unloaded.take_plough(slower, dt, h, memory)
     if slower[PLOUGH] != 1.0:
         _usual(slower, dt, h, tuning, memory)
     memory.wheels_ns = signal.epoch_ns
@@ -367,31 +354,6 @@ paper's."""
 
 
 @array_law
-def _zero(raised: float, dt: float, h: Array, memory: Record) -> None:
-    """The zero condition: with the plough out of the ground the axle slips by a little known.
-
-    variance of one sample in dt: (sd rim)^2 0.02 s / dt, so that no rate of the wheels counts more
-
-    When the plough goes down the driven tyres carry less and their radius grows.
-    """
-    memory.clear = 1 if raised == 1.0 else 0
-    if memory.clear:
-        memory.flags |= RAISED
-        if memory.raised == 0:
-            memory.raised = 1
-            if memory.lowered:
-                _reload(-1.0, memory)
-        if abs(memory.x[V]) > 0.5 and abs(memory.x[A]) < 0.3 and dt > 0.0:
-            error = -rows.no_slip(memory.x, ZERO_SLIP, h)
-            per_sample = ZERO_SLIP_S / min(dt, MOST_ZERO_SLIP_S)
-            take(memory, h, error, (ZERO_SLIP_SD * memory.rim_mps) ** 2 * per_sample)
-    elif raised == 0.0 and memory.raised == 1:
-        _reload(1.0, memory)
-        memory.p[USUAL, USUAL] += AGAIN_SD**2 if memory.lowered else NEW_SLIP_SD**2
-        memory.raised, memory.lowered = 0, 1
-
-
-@array_law
 def _usual(slower: Array, dt: float, h: Array, tuning: Record, memory: Record) -> None:
     """The driven wheels slip about as usual: what slip is off it by lasts some seconds.
 
@@ -423,13 +385,3 @@ def _usual(slower: Array, dt: float, h: Array, tuning: Record, memory: Record) -
         spread += (MOST_SLIP_SD * rim) ** 2  # wheels that nobody counts may slip as they like
     r = spread * (1.0 + 2.0 * tuning.slip_s / dt * spread / (spread + known))
     take(memory, h, -off, r)
-
-
-@array_law
-def _reload(down: float, memory: Record) -> None:
-    """What the wheels carry moves from rear to front as the plough goes down: so do their radii."""
-    memory.x[RADIUS] += down * UNLOAD
-    memory.x[TOWED] += down * LOAD
-    memory.p[RADIUS, RADIUS] += UNLOAD_SD**2
-    memory.p[TOWED, TOWED] += LOAD_SD**2
-    memory.p[BIAS, BIAS] += SETTLE_SD_MPS2**2

@@ -20,6 +20,7 @@ from estimators.slip_ekf.layout import (
     TOWED,
     USUAL,
     WHEEL_BIAS,
+    ZERO,
     A,
     V,
     W,
@@ -71,15 +72,11 @@ def towed(x: Array, age: float, front_turn: float, h: Array) -> float:
 def driven(x: Array, rim: float, age: float, h: Array) -> float:
     """Speed of the driven wheels as their nominal radius gives it, `age` ago.
 
-    (w + rim swing - age (r + rim swing')) (1 + radius)
+    w + rim swing - age (r + rim swing')
     """
     h[:] = 0.0
-    scale = 1.0 + x[RADIUS]
-    w = x[W] + rim * x[SWING] - age * (x[RATE] + rim * x[SWING_RATE])
-    h[W], h[RATE] = scale, -age * scale
-    h[SWING], h[SWING_RATE] = rim * scale, -age * rim * scale
-    h[RADIUS] = rim
-    return float(w * scale)
+    h[W], h[RATE], h[SWING], h[SWING_RATE] = 1.0, -age, rim, -age * rim
+    return float(x[W] + rim * x[SWING] - age * (x[RATE] + rim * x[SWING_RATE]))
 
 
 @array_law
@@ -113,11 +110,23 @@ def usual_slip(x: Array, by_load: float, rim: float, h: Array) -> float:
 
 
 @array_law
-def no_slip(x: Array, zero_slip: float, h: Array) -> float:
-    """By how much the driven wheels are off what a slip known beforehand makes them [m/s]."""
+def no_slip(x: Array, rim: float, h: Array) -> float:
+    """By how much the driven wheels turn more than the slip without load makes them [m/s].
+
+    w (1 - zero) - v (1 + radius)
+    """
     h[:] = 0.0
-    h[W], h[V] = 1.0 - zero_slip, -1.0
-    return float((1.0 - zero_slip) * x[W] - x[V])
+    h[W], h[V], h[RADIUS], h[ZERO] = 1.0 - x[ZERO], -1.0 - x[RADIUS], -rim, -rim
+    return float(x[W] * (1.0 - x[ZERO]) - x[V] * (1.0 + x[RADIUS]))
+
+
+@array_law
+def wheel_speed(x: Array, rim: float, h: Array) -> float:
+    """Speed of the driven wheels with their true radius: (w + rim swing) / (1 + radius)."""
+    h[:] = 0.0
+    scale = 1.0 / (1.0 + x[RADIUS])
+    h[W], h[SWING], h[RADIUS] = scale, rim * scale, -rim * scale
+    return float((x[W] + rim * x[SWING]) * scale)
 
 
 @array_law

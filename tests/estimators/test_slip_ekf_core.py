@@ -8,9 +8,8 @@ import pytest
 from estimators.layout import CAMERA as CAMERA_SENSOR
 from estimators.layout import GNSS, IMU, NOMINAL, SIGNALS, WHEELS, blank, nominal
 from estimators.slip_ekf import SLIP_EKF, motion, rows
-from estimators.slip_ekf.counts import _zero
 from estimators.slip_ekf.filter import measure
-from estimators.slip_ekf.held import FIRST_LOAD, HELD, PLOUGH, held, start
+from estimators.slip_ekf.held import FIRST_LOAD, HELD, PLOUGH, TORQUE, held, start
 from estimators.slip_ekf.layout import (
     BIAS,
     CAMERA,
@@ -23,12 +22,15 @@ from estimators.slip_ekf.layout import (
     TILTING,
     TOWED,
     USUAL,
+    ZERO,
+    A,
     V,
     W,
     first_memory,
 )
 from estimators.slip_ekf.load import centred, learn_line
 from estimators.slip_ekf.report import _conflict
+from estimators.slip_ekf.unloaded import MOVED, MOVED_SD, take_plough
 from twin.streams import Streams
 from twin.testing.drives import Drive, derivative, seconds, setup, stamps, streams, times
 
@@ -44,7 +46,8 @@ MEASURED = {
     "driven": lambda x, h: rows.driven(x, RIM, 0.05, h),
     "wheel_accel": rows.wheel_accel,
     "usual_slip": lambda x, h: rows.usual_slip(x, 0.02, RIM, h),
-    "no_slip": lambda x, h: rows.no_slip(x, 0.005, h),
+    "no_slip": lambda x, h: rows.no_slip(x, RIM, h),
+    "wheel_speed": lambda x, h: rows.wheel_speed(x, RIM, h),
     "travel": lambda x, h: rows.travel(x, REAR, 1.9, h),
 }
 
@@ -72,9 +75,12 @@ def test_every_row_is_the_gradient_of_what_is_measured(name):
     MEASURED[name](x, h)
     unused = np.zeros(SIZE)
     found = gradient(lambda at: MEASURED[name](at, unused), x)[0]
-    if name == "driven":
-        assert h[RADIUS] == RIM
-        found[RADIUS] = RIM
+    if name == "no_slip":  # the averaged speed is the gradient of both
+        assert h[RADIUS] == h[ZERO] == -RIM
+        found[[RADIUS, ZERO]] = -RIM
+    if name == "wheel_speed":
+        found[RADIUS] = h[RADIUS]
+        assert h[RADIUS] == pytest.approx(-RIM, rel=0.1)
     if name == "usual_slip":
         assert h[USUAL] == RIM
         found[USUAL] = RIM
@@ -91,8 +97,6 @@ def test_the_transition_is_the_gradient_of_the_step(front_turn):
     x, f = a_state(), np.zeros((SIZE, SIZE))
     motion.step(x.copy(), RIM, front_turn, 1.0, 0.02, TUNING, f)
     found = gradient(after, x)
-    assert f[REAR, RADIUS] == 0.02 * RIM  # the averaged rim speed, see `motion.step`
-    found[REAR, RADIUS] = f[REAR, RADIUS]
     assert f == pytest.approx(found, abs=1e-7)
 
 
@@ -479,11 +483,53 @@ def test_the_mean_of_a_load_that_is_told_later_starts_at_its_first_value():
 def test_the_zero_condition_counts_by_time_and_not_by_sample(hz):
     def known(hz):
         memory, h = at_speed(), np.zeros(SIZE)
+        slower = np.full(HELD, np.nan)
+        slower[PLOUGH] = 1.0
         for _ in range(hz):
-            _zero(1.0, 1.0 / hz, h, memory)
+            take_plough(slower, 1.0 / hz, h, memory)
         return memory["p"][V, V] + memory["p"][W, W] - 2.0 * memory["p"][V, W]
 
     assert known(hz) == pytest.approx(known(50), rel=0.01)
+
+
+def ploughed(torque_raised, torque_at_work, slip):
+    """A memory after 5 s with the plough raised and 12 s at work, at such torques [10 kNm]."""
+    memory, h = at_speed(), np.zeros(SIZE)
+    memory["p"][ZERO, ZERO] = 0.006**2
+    memory["seen_ns"][FROM_GNSS] = memory["time_ns"]
+    slower = np.full(HELD, np.nan)
+    for raised, torque, for_s, s in (1.0, torque_raised, 5, 0.0), (0.0, torque_at_work, 12, slip):
+        slower[PLOUGH], slower[TORQUE] = raised, torque
+        memory["x"][V] = 2.0 * (1.0 - s)
+        for _ in range(50 * for_s):
+            take_plough(slower, 0.02, h, memory)
+    return memory
+
+
+def test_torque_tells_afterwards_how_much_the_axle_slipped_without_load():
+    """On soft soil it takes more torque to roll and slips more for it than on firm soil."""
+    firm, soft = ploughed(0.33, 1.7, 0.085), ploughed(0.58, 1.2, 0.066)
+    assert firm["x"][ZERO] == pytest.approx(0.0055, abs=0.002)
+    assert soft["x"][ZERO] > firm["x"][ZERO] + 0.003
+    assert soft["x"][RADIUS] < firm["x"][RADIUS] - 0.001
+    assert firm["p"][ZERO, ZERO] < 0.003**2
+
+
+def test_a_torque_that_hardly_rises_at_work_tells_nothing():
+    assert ploughed(0.33, 0.5, 0.02)["p"][ZERO, ZERO] > 0.004**2
+
+
+def test_the_plough_s_load_changes_both_radii_and_changes_them_back():
+    memory, h, slower = at_speed(), np.zeros(SIZE), np.full(HELD, np.nan)
+    memory["x"][A] = 1.0  # not steady: nothing else is learnt
+    found = []
+    for raised in (1.0, 0.0, 1.0):
+        slower[PLOUGH] = raised
+        take_plough(slower, 0.02, h, memory)
+        found.append(memory["x"][[RADIUS, TOWED]].copy())
+    assert found[1] == pytest.approx([-MOVED, MOVED])
+    assert found[2] == pytest.approx(found[0])
+    assert memory["p"][RADIUS, RADIUS] == pytest.approx(1e-3 + 2.0 * MOVED_SD**2)
 
 
 def test_a_covariance_stays_one():
