@@ -7,14 +7,12 @@ import math
 import numpy as np
 
 from estimators.kalman import Array, Record
-from estimators.layout import STALE_S
-from estimators.slip_ekf import learn, motion, rows, unloaded
+from estimators.slip_ekf import learn, load, motion, rows, unloaded
 from estimators.slip_ekf.begin import begin
-from estimators.slip_ekf.held import HELD, PLOUGH
+from estimators.slip_ekf.held import PLOUGH
 from estimators.slip_ekf.judge import heard, judged
 from estimators.slip_ekf.layout import (
     FROM_DRIVEN,
-    FROM_GNSS,
     FROM_TOWED,
     FRONT,
     NUMBER,
@@ -23,16 +21,17 @@ from estimators.slip_ekf.layout import (
     READING,
     REAR,
     SIZE,
-    USUAL,
     A,
     V,
     W,
 )
-from estimators.slip_ekf.load import by_load, centred, learn_line
 from estimators.slip_ekf.update import grow, restart, take, variance
 from estimators.slip_ekf.wheels import APART_S, axle, in_the_air, radius, usable
 from twin.compute.compiled import array_law
 
+MEASURED_PSD, WHEEL_ACCEL_SD = 0.3, 0.06
+"""Density of slip's own noise where the wheels have an accelerometer [1/s3], and its sd [m/s2]; the
+IMA-PKF paper's."""
 JUMP_MPS = 2.0
 """No wheel changes its speed by more between two samples, beyond what jitter makes [m/s]."""
 MOST_LEAPS = 10
@@ -120,7 +119,7 @@ def take_wheels(
     _take_accel(signal, dt, h, memory)
     unloaded.take_plough(slower, dt, h, memory)
     if slower[PLOUGH] != 1.0:
-        _usual(slower, dt, h, tuning, memory)
+        load.take_expected(slower, dt, h, tuning, memory)
     memory.wheels_ns = signal.epoch_ns
 
 
@@ -337,51 +336,3 @@ def _take_accel(signal: Record, dt: float, h: Array, memory: Record) -> None:
     if error**2 > 9.0 * total:
         motion.shaken(memory.p, 0.0, (error**2 - total) / max(step, 1e-3), 0.0, step)
     take(memory, h, error, WHEEL_ACCEL_SD**2)
-
-
-UNCOUNTED_S = 0.2
-"""After this time without a count the usual slip says less [s]."""
-SCATTER_SD, LEARN_SD = 0.02, 0.05
-"""The line is learnt from a slip known as well as this."""
-NEW_SLIP_SD, AGAIN_SD = 0.15, 0.05
-"""sd of the slip that a plough calls for when it goes down for the first time, and again."""
-MOVING_MPS, SLIP_LEARN_S, LEAST_SLIP_SD, MOST_SLIP_SD = 0.3, 30.0, 0.01, 0.1
-"""Speed above which there is a usual slip [m/s]; time over which the spread of slip about it is
-learnt [s]; between what it is kept."""
-MEASURED_PSD, WHEEL_ACCEL_SD = 0.3, 0.06
-"""Density of slip's own noise then [1/s3], and sd of such an accelerometer [m/s2]; the IMA-PKF
-paper's."""
-
-
-@array_law
-def _usual(slower: Array, dt: float, h: Array, tuning: Record, memory: Record) -> None:
-    """The driven wheels slip about as usual: what slip is off it by lasts some seconds.
-
-    v = w (1 - usual),   variance of one sample in dt: 2 slip_var rim^2 slip_s / dt
-
-    While GNSS is there, slip_var is learnt from what slip is off by.
-    """
-    rim = memory.rim_mps
-    if abs(rim) < MOVING_MPS or not 0.0 < dt < STALE_S:
-        return
-    spread = max(memory.slip_var, LEAST_SLIP_SD**2) * rim**2
-    z, room = np.zeros(HELD), np.zeros(HELD)
-    centred(slower, memory, z)
-    loaded, loaded_var = by_load(z, memory)
-    off = rows.usual_slip(memory.x, loaded, rim, h)
-    state_var = variance(memory.p, h, 0.0)
-    known = state_var + loaded_var * rim**2
-    if memory.time_ns - memory.seen_ns[FROM_GNSS] < 1.5e9 and memory.refused_ns[FROM_GNSS] < 0:
-        memory.slip_s += dt
-        known_well = state_var < (LEARN_SD**2 + memory.p[USUAL, USUAL]) * rim**2
-        if known_well and abs(memory.x[W]) > MOVING_MPS:
-            slip = 1.0 - memory.x[V] / memory.x[W]
-            learn_line(slower, slip, SCATTER_SD**2, dt, z, room, memory)
-        square = min(max(off**2 - known, 0.0) / rim**2, MOST_SLIP_SD**2)
-        share = dt / (min(memory.slip_s, SLIP_LEARN_S) + 5.0)
-        memory.slip_var += min(share, 1.0) * (square - memory.slip_var)
-    spread += loaded_var * rim**2
-    if memory.time_ns - memory.seen_ns[FROM_DRIVEN] > UNCOUNTED_S * 1e9:
-        spread += (MOST_SLIP_SD * rim) ** 2  # wheels that nobody counts may slip as they like
-    r = spread * (1.0 + 2.0 * tuning.slip_s / dt * spread / (spread + known))
-    take(memory, h, -off, r)

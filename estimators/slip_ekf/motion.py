@@ -33,7 +33,7 @@ from estimators.slip_ekf.layout import (
     SWING_RATE,
     TILTING,
     TOWED,
-    USUAL,
+    TRACTION,
     WHEEL_BIAS,
     A,
     V,
@@ -157,7 +157,7 @@ def noise(
     q[SWING, SWING_RATE] = q[SWING_RATE, SWING] = -(a * c * at + b * d * rate)
     q[BIAS, BIAS] = (tuning.bias_psd + gravity * tuning.leak_psd) * dt
     q[WHEEL_BIAS, WHEEL_BIAS] = tuning.bias_psd * dt
-    q[USUAL, USUAL] = tuning.usual_psd * dt
+    q[TRACTION, TRACTION] = tuning.traction_psd * dt
     q[CAMERA, CAMERA] = camera_psd * dt
     q[RADIUS, RADIUS] = q[LATE, LATE] = 1e-9 * dt
     q[ACROSS, ACROSS] = tuning.across_psd * dt

@@ -6,6 +6,7 @@ One function per kind of measurement, and none knows how the state moves.
 from __future__ import annotations
 
 from estimators.kalman import Array
+from estimators.slip_ekf.brixius import slip_of
 from estimators.slip_ekf.layout import (
     BIAS,
     CAMERA,
@@ -18,7 +19,7 @@ from estimators.slip_ekf.layout import (
     SWING,
     SWING_RATE,
     TOWED,
-    USUAL,
+    TRACTION,
     WHEEL_BIAS,
     ZERO,
     A,
@@ -99,14 +100,19 @@ def wheel_accel(x: Array, h: Array) -> float:
 
 
 @array_law
-def usual_slip(x: Array, by_load: float, rim: float, h: Array) -> float:
-    """How far the ground speed is off what the usual slip makes it [m/s].
+def expected(x: Array, by_load: float, rim: float, h: Array) -> float:
+    """How far the ground speed is off what the load makes it [m/s].
 
-    v - w (1 - usual - by_load)
+    v - w (1 - slip(traction + by_load))
+
+    The gradient by traction is that at the mean load: one that went with the load would let the lag
+    of v behind the load move the traction.
     """
     h[:] = 0.0
-    h[V], h[W], h[USUAL] = 1.0, -(1.0 - x[USUAL] - by_load), rim
-    return float(x[V] - x[W] * (1.0 - x[USUAL] - by_load))
+    slip, _ = slip_of(x[TRACTION] + by_load)
+    _, steep = slip_of(x[TRACTION])
+    h[V], h[W], h[TRACTION] = 1.0, slip - 1.0, rim * steep
+    return float(x[V] - x[W] * (1.0 - slip))
 
 
 @array_law

@@ -11,6 +11,7 @@ import math
 from estimators.kalman import Array, Record
 from estimators.slip_ekf import rows
 from estimators.slip_ekf.begin import ZERO_SLIP_SD
+from estimators.slip_ekf.brixius import slip_of, traction
 from estimators.slip_ekf.held import PLOUGH, TORQUE
 from estimators.slip_ekf.layout import (
     BIAS,
@@ -19,7 +20,7 @@ from estimators.slip_ekf.layout import (
     RADIUS,
     RAISED,
     TOWED,
-    USUAL,
+    TRACTION,
     ZERO,
     A,
     V,
@@ -37,13 +38,13 @@ MOVED, MOVED_SD = 0.005, 0.002
 wheels to the front ones; 0.1 to 1 % for the twin's machines."""
 SETTLE_SD_MPS2 = 0.05
 """sd by which gravity's part changes then, as the body settles another way."""
-NEW_SLIP_SD, AGAIN_SD = 0.15, 0.05
-"""sd of the slip that a plough calls for when it goes down for the first time, and again."""
+NEW_SD, AGAIN_SD = 0.6, 0.15
+"""sd of the traction that a plough calls for when it goes down for the first time, and again."""
 WORK_S = 10.0
 """Time over which torque and slip are averaged, and after which they tell of `ZERO` [s]."""
-OWN_TORQUE, BRIXIUS, LAW_SD = 0.6, 7.5, 0.25
-"""Share of the torque without load that rolls the driven wheels themselves; exponent of slip in the
-gross traction of Brixius; relative sd of the law."""
+OWN_TORQUE, LAW_SD = 0.6, 0.25
+"""Share of the torque without load that rolls the driven wheels themselves, and relative sd of what
+the law then says."""
 
 
 @array_law
@@ -70,7 +71,7 @@ def take_plough(slower: Array, dt: float, h: Array, memory: Record) -> None:
     elif raised == 0.0:
         if memory.raised == 1:
             _move_load(1.0, memory)
-            memory.p[USUAL, USUAL] += AGAIN_SD**2 if memory.lowered else NEW_SLIP_SD**2
+            memory.p[TRACTION, TRACTION] += AGAIN_SD**2 if memory.lowered else NEW_SD**2
             memory.raised, memory.lowered = 0, 1
         if steady and memory.torque[0] > 0.0:
             _at_work(torque, dt, h, memory)
@@ -95,7 +96,7 @@ def _at_work(torque: float, dt: float, h: Array, memory: Record) -> None:
 
     By Brixius' gross traction, torque - own torque is proportional to y = 1 - exp(-7.5 slip), so
 
-        zero = y (T_raised - T_own) / (T_work - T_own) / 7.5,   T_own = 0.6 T_raised
+        zero = slip(y (T_raised - T_own) / (T_work - T_own)),   T_own = 0.6 T_raised
     """
     gnss = memory.time_ns - memory.seen_ns[FROM_GNSS] < 1.5e9 and memory.refused_ns[FROM_GNSS] < 0
     if not (gnss and math.isfinite(torque)) or memory.work_s > WORK_S:
@@ -111,7 +112,7 @@ def _at_work(torque: float, dt: float, h: Array, memory: Record) -> None:
         zero = memory.x[ZERO]
         for _ in range(3):  # the slip at work is less by as much as the radius is more
             slip = max(memory.work_slip + zero - memory.x[ZERO], 0.0)
-            zero = pulled * (1.0 - math.exp(-BRIXIUS * slip)) / BRIXIUS
+            zero, _ = slip_of(pulled * traction(slip)[0])
         rows.one(NUMBER[ZERO], h)
         take(memory, h, zero - memory.x[ZERO], (LAW_SD * zero) ** 2 + 1e-8)
 

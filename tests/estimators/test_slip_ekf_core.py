@@ -8,6 +8,7 @@ import pytest
 from estimators.layout import CAMERA as CAMERA_SENSOR
 from estimators.layout import GNSS, IMU, NOMINAL, SIGNALS, WHEELS, blank, nominal
 from estimators.slip_ekf import SLIP_EKF, motion, rows
+from estimators.slip_ekf.brixius import slip_of, traction
 from estimators.slip_ekf.filter import measure
 from estimators.slip_ekf.held import FIRST_LOAD, HELD, PLOUGH, TORQUE, held, start
 from estimators.slip_ekf.layout import (
@@ -21,7 +22,7 @@ from estimators.slip_ekf.layout import (
     SIZE,
     TILTING,
     TOWED,
-    USUAL,
+    TRACTION,
     ZERO,
     A,
     V,
@@ -45,7 +46,7 @@ MEASURED = {
     "towed": lambda x, h: rows.towed(x, 0.05, 0.9, h),
     "driven": lambda x, h: rows.driven(x, RIM, 0.05, h),
     "wheel_accel": rows.wheel_accel,
-    "usual_slip": lambda x, h: rows.usual_slip(x, 0.02, RIM, h),
+    "expected": lambda x, h: rows.expected(x, 0.4, RIM, h),
     "no_slip": lambda x, h: rows.no_slip(x, RIM, h),
     "wheel_speed": lambda x, h: rows.wheel_speed(x, RIM, h),
     "travel": lambda x, h: rows.travel(x, REAR, 1.9, h),
@@ -81,9 +82,8 @@ def test_every_row_is_the_gradient_of_what_is_measured(name):
     if name == "wheel_speed":
         found[RADIUS] = h[RADIUS]
         assert h[RADIUS] == pytest.approx(-RIM, rel=0.1)
-    if name == "usual_slip":
-        assert h[USUAL] == RIM
-        found[USUAL] = RIM
+    if name == "expected":  # by traction that at the mean load, and the averaged speed
+        found[TRACTION] = RIM * slip_of(x[TRACTION])[1]
     assert h == pytest.approx(found, abs=1e-7)
 
 
@@ -228,11 +228,11 @@ def test_a_camera_of_unknown_height_harms_nothing(scale):
 
 def test_slip_follows_the_load_when_gnss_is_gone():
     """The draft makes the slip; the machine's bus tells the draft, and nobody else does then."""
-    pull = Drive(
-        duration_s=100.0,
-        speed=lambda t: 1.9 * (1 - 0.15 - 0.05 * np.sin(0.37 * t)),
-        slip=lambda t: 0.15 + 0.05 * np.sin(0.37 * t),
-    )
+
+    def slip(t):
+        return -np.log(0.35 - 0.12 * np.sin(0.37 * t)) / 7.5  # traction in proportion to the draft
+
+    pull = Drive(duration_s=100.0, speed=lambda t: 1.9 * (1.0 - slip(t)), slip=slip)
     made = streams(pull, setup())
     seen = seconds(made["gnss"]["epoch_ns"]) < 50.0
     t = times(pull, 10.0)
@@ -246,7 +246,7 @@ def test_slip_follows_the_load_when_gnss_is_gone():
     memory, table = estimated(Streams({**blind, "machine": machine}))
     assert rms(table, pull, 52.0) < 0.012
     assert rms(table, pull, 52.0) < 0.5 * rms(alone, pull, 52.0)
-    assert memory["line"][FIRST_LOAD] == pytest.approx(0.05, abs=0.01)
+    assert memory["line"][FIRST_LOAD] == pytest.approx(0.12, abs=0.02)
 
 
 def test_what_slower_sensors_said_is_held_in_any_chunks():
@@ -464,7 +464,7 @@ def test_a_camera_replaces_a_first_speed_of_gnss_that_is_too_old():
 
 def test_the_mean_of_a_load_that_is_told_later_starts_at_its_first_value():
     """A steady load says nothing of slip, whenever it is first told."""
-    memory, z, pz = at_speed(), np.zeros(HELD), np.zeros(HELD)
+    memory, z = at_speed(), np.zeros(HELD)
     loads = np.full(HELD, np.nan)
     for k in range(1000):
         memory["slip_s"] = 0.02 * k
@@ -472,10 +472,10 @@ def test_the_mean_of_a_load_that_is_told_later_starts_at_its_first_value():
             loads[FIRST_LOAD + 1] = 8.0
             centred(loads, memory, z)
             assert z[FIRST_LOAD + 1] == 0.0
-        learn_line(loads, 0.1 + 1e-3 * k, 0.02**2, 0.02, z, pz, memory)
+        learn_line(loads, 0.1 + 1e-3 * k, 0.02, z, memory)
     assert memory["mean_load"][FIRST_LOAD + 1] == 8.0
     assert memory["line"][FIRST_LOAD + 1] == 0.0
-    assert memory["x"][USUAL] == 0.0
+    assert memory["x"][TRACTION] == 0.0
     assert np.isfinite(memory["line"]).all()
 
 
@@ -530,6 +530,18 @@ def test_the_plough_s_load_changes_both_radii_and_changes_them_back():
     assert found[1] == pytest.approx([-MOVED, MOVED])
     assert found[2] == pytest.approx(found[0])
     assert memory["p"][RADIUS, RADIUS] == pytest.approx(1e-3 + 2.0 * MOVED_SD**2)
+
+
+@pytest.mark.parametrize("slip", [-0.6, -0.1, 0.0, 0.15, 0.39, 0.41, 0.8])
+def test_traction_and_slip_are_each_other_s_inverse(slip):
+    y, gradient = traction(slip)
+    back, steep = slip_of(y)
+    assert back == pytest.approx(slip)
+    assert gradient * steep == pytest.approx(1.0)
+    rise = (traction(slip + 1e-6)[0] - traction(slip - 1e-6)[0]) / 2e-6
+    assert gradient == pytest.approx(rise, rel=1e-4)
+    if 0.0 <= slip < 0.4:
+        assert y == pytest.approx(1.0 - np.exp(-7.5 * slip))
 
 
 def test_a_covariance_stays_one():
