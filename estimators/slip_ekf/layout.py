@@ -81,7 +81,7 @@ MEMORY = np.dtype(
         ("pitch_held_rad", "f8"), ("travelled_m", "f8"),
         # slip, load and camera
         ("raised", "i8"), ("lowered", "i8"), ("torque", "f8", 2),
-        ("raised_s", "f8"), ("work_s", "f8"), ("work_slip", "f8"),
+        ("raised_s", "f8"), ("towed_before", "f8"), ("work_s", "f8"), ("work_slip", "f8"),
         ("y_var", "f8"), ("slip_s", "f8"),
         ("mean_load", "f8", HELD), ("line", "f8", HELD), ("line_p", "f8", (HELD, HELD)),
         ("camera_psd", "f8"), ("camera_scale", "f8", 2), ("camera_ns", "i8"),
@@ -116,7 +116,8 @@ sample.
 
 `raised`: 1 if the plough was when that was last known;
 `lowered`: 1 once it has been in the ground; `torque`: the axle's mean torque, raised and at work;
-`raised_s`, `work_s`, `work_slip`: for how long, and the mean slip at work; `y_var`: variance of
+`raised_s`, `work_s`, `work_slip`: for how long, and the mean slip at work; `towed_before`: error of
+the towed wheels as the plough went down; `y_var`: variance of
 the traction about the expected one, learnt for `slip_s`; `mean_load`, `line`, `line_p`: the mean
 loads, the line from them to traction, and its covariance; `camera_*`: density of the walk of a
 camera's scale, and what that is learnt from.

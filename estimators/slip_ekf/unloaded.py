@@ -16,6 +16,7 @@ from estimators.slip_ekf.held import PLOUGH, TORQUE
 from estimators.slip_ekf.layout import (
     BIAS,
     FROM_GNSS,
+    FROM_TOWED,
     NUMBER,
     RADIUS,
     RAISED,
@@ -36,11 +37,13 @@ ZERO_PSD = 1e-6
 MOVED, MOVED_SD = 0.005, 0.002
 """Change of both axles' radii as the plough goes down, and its sd [-]: load moves from the rear
 wheels to the front ones; 0.1 to 1 % for the twin's machines."""
+REAR_OVER_FRONT = 0.9
+"""Change of the rear over that of the front radius then; 0.6 to 1.2 for the twin's machines."""
 SETTLE_SD_MPS2 = 0.05
 """sd by which gravity's part changes then, as the body settles another way."""
 NEW_SD, AGAIN_SD = 0.6, 0.15
 """sd of the traction that a plough calls for when it goes down for the first time, and again."""
-WORK_S = 10.0
+WORK_S = 5.0
 """Time over which torque and slip are averaged, and after which they tell of `ZERO` [s]."""
 OWN_TORQUE, LAW_SD = 0.6, 0.25
 """Share of the torque without load that rolls the driven wheels themselves, and relative sd of what
@@ -73,7 +76,7 @@ def take_plough(slower: Array, dt: float, h: Array, memory: Record) -> None:
             _move_load(1.0, memory)
             memory.p[TRACTION, TRACTION] += AGAIN_SD**2 if memory.lowered else NEW_SD**2
             memory.raised, memory.lowered = 0, 1
-        if steady and memory.torque[0] > 0.0:
+        if steady and memory.lowered:
             _at_work(torque, dt, h, memory)
 
 
@@ -92,22 +95,30 @@ def _no_load(torque: float, dt: float, h: Array, memory: Record) -> None:
 
 @array_law
 def _at_work(torque: float, dt: float, h: Array, memory: Record) -> None:
-    """Once a lowering, torque and slip at work tell what the slip without load was.
+    """Once a lowering, the towed wheels tell how the radii changed, and the torque of `ZERO`.
 
     By Brixius' gross traction, torque - own torque is proportional to y = 1 - exp(-7.5 slip), so
 
         zero = slip(y (T_raised - T_own) / (T_work - T_own)),   T_own = 0.6 T_raised
     """
     gnss = memory.time_ns - memory.seen_ns[FROM_GNSS] < 1.5e9 and memory.refused_ns[FROM_GNSS] < 0
-    if not (gnss and math.isfinite(torque)) or memory.work_s > WORK_S:
+    if not gnss or memory.work_s > WORK_S:
         return
+    if memory.work_s == 0.0:
+        memory.torque[1] = memory.work_slip = 0.0
     slip = 1.0 - memory.x[V] * (1.0 + memory.x[RADIUS]) / max(memory.x[W], memory.x[V])
     memory.work_s += dt
     share = dt / memory.work_s
     memory.torque[1] += share * (torque - memory.torque[1])
     memory.work_slip += share * (slip - memory.work_slip)
+    if memory.work_s <= WORK_S:
+        return
+    if memory.time_ns - memory.seen_ns[FROM_TOWED] < 1e9:
+        found = REAR_OVER_FRONT * (memory.x[TOWED] - memory.towed_before)
+        memory.x[RADIUS] += 0.5 * (MOVED - found)  # as sure as what was thought before
+        memory.p[RADIUS, RADIUS] -= 0.5 * MOVED_SD**2
     own = OWN_TORQUE * memory.torque[0]
-    if memory.work_s > WORK_S and memory.torque[1] > 2.0 * memory.torque[0]:
+    if memory.torque[1] > 2.0 * memory.torque[0] > 0.0:
         pulled = (memory.torque[0] - own) / (memory.torque[1] - own)
         zero = memory.x[ZERO]
         for _ in range(3):  # the slip at work is less by as much as the radius is more
@@ -120,6 +131,7 @@ def _at_work(torque: float, dt: float, h: Array, memory: Record) -> None:
 @array_law
 def _move_load(down: float, memory: Record) -> None:
     """What the wheels carry moves from rear to front as the plough goes down: so do their radii."""
+    memory.towed_before = memory.x[TOWED]
     memory.x[RADIUS] -= down * MOVED
     memory.x[TOWED] += down * MOVED
     memory.p[RADIUS, RADIUS] += MOVED_SD**2

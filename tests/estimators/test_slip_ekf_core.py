@@ -519,6 +519,19 @@ def test_a_torque_that_hardly_rises_at_work_tells_nothing():
     assert ploughed(0.33, 0.5, 0.02)["p"][ZERO, ZERO] > 0.004**2
 
 
+@pytest.mark.parametrize("towed", [True, False])
+def test_towed_wheels_that_change_less_tell_that_the_driven_ones_do(towed):
+    memory, h, slower = at_speed(), np.zeros(SIZE), np.full(HELD, np.nan)
+    memory["seen_ns"][FROM_GNSS] = memory["time_ns"]
+    memory["seen_ns"][FROM_TOWED] = memory["time_ns"] if towed else -1
+    for raised in (1.0, *[0.0] * 400):
+        slower[PLOUGH] = raised
+        memory["x"][A] = 1.0 if raised else 0.0
+        take_plough(slower, 0.02, h, memory)
+        memory["x"][TOWED] = 0.0
+    assert memory["x"][RADIUS] == pytest.approx(-0.5 * MOVED if towed else -MOVED)
+
+
 def test_the_plough_s_load_changes_both_radii_and_changes_them_back():
     memory, h, slower = at_speed(), np.zeros(SIZE), np.full(HELD, np.nan)
     memory["x"][A] = 1.0  # not steady: nothing else is learnt
