@@ -143,8 +143,11 @@ def turned(epoch_ns: int, memory: Record) -> float:
 def yawing(signal: Record, dt: float, jump: float, nominal: Record, memory: Record) -> None:
     """Right less left of both axles, averaged, and the yaw rate: the gyro's, else the wheels'.
 
-    yaw rate = (right - left) / track,   of the towed wheels where there are any
+    yaw rate = (right - left) / (track cos(steer)),   of the towed wheels where there are any
+
+    1 / cos(steer) is the way of a front wheel over that of the rear-axle centre.
     """
+    way, _ = motion.longer(memory.x[V], nominal.wheelbase_m * memory.yaw_rate)
     share = min(max(dt, 0.0) / APART_S, 1.0)
     rate = signal.yaw_rate_radps
     for rear in range(2):
@@ -159,7 +162,7 @@ def yawing(signal: Record, dt: float, jump: float, nominal: Record, memory: Reco
             memory.apart_mps[at] += share * (apart - memory.apart_mps[at])
             track = nominal.track_rear_m if rear else nominal.track_front_m
             if signal.yaw_rate_radps == 0.0 and track > 0.0 and (not driven or rate == 0.0):
-                rate = memory.apart_mps[at] / track
+                rate = memory.apart_mps[at] / track * (1.0 if rear else way)
     memory.yaw_rate = rate
 
 

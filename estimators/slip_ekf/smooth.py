@@ -130,9 +130,9 @@ def _backward(
 
     G = P_k F^T (P-_k+1)^-1
 
-    Where a state began anew at k+1, nothing of it goes back.
+    A state that began anew at k+1 stands apart from the others there: nothing of it goes back.
     """
-    f, x = np.zeros((SIZE, SIZE)), np.zeros(SIZE)
+    f, x, ahead = np.zeros((SIZE, SIZE)), np.zeros(SIZE), np.zeros((SIZE, SIZE))
     for k in range(n - 2, -1, -1):
         whole = 0
         for i in range(SIZE):
@@ -145,7 +145,12 @@ def _backward(
         # a covariance of lengths, speeds and ratios: scaled to ones on its diagonal
         scale = np.sqrt(np.maximum(np.diag(before_cov[k + 1]), 1e-18))
         scaled = before_cov[k + 1] / np.outer(scale, scale) + 1e-9 * np.eye(SIZE)
-        gain = np.linalg.solve(scaled, (f @ cov[k]) / scale.reshape(-1, 1)).T
+        ahead[:, :] = (f @ cov[k]) / scale.reshape(-1, 1)
+        for i in range(SIZE):
+            if cut[k + 1, i]:
+                scaled[i, :] = scaled[:, i] = ahead[i, :] = 0.0
+                scaled[i, i] = 1.0
+        gain = np.linalg.solve(scaled, ahead).T
         gain = np.ascontiguousarray(gain / scale.reshape(1, -1))
         moved = mean[k + 1] - before[k + 1]
         change = cov[k + 1] - before_cov[k + 1]

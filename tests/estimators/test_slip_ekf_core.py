@@ -9,6 +9,7 @@ from estimators.layout import CAMERA as CAMERA_SENSOR
 from estimators.layout import GNSS, IMU, NOMINAL, SIGNALS, WHEELS, blank, nominal
 from estimators.slip_ekf import SLIP_EKF, motion, rows
 from estimators.slip_ekf.brixius import slip_of, traction
+from estimators.slip_ekf.counts import yawing
 from estimators.slip_ekf.filter import measure
 from estimators.slip_ekf.held import FIRST_LOAD, HELD, PLOUGH, TORQUE, held, start
 from estimators.slip_ekf.layout import (
@@ -31,6 +32,7 @@ from estimators.slip_ekf.layout import (
 )
 from estimators.slip_ekf.load import centred, learn_line
 from estimators.slip_ekf.report import _conflict
+from estimators.slip_ekf.smooth import SLIP_EKF_SMOOTH
 from estimators.slip_ekf.unloaded import MOVED, MOVED_SD, take_plough
 from twin.streams import Streams
 from twin.testing.drives import Drive, derivative, seconds, setup, stamps, streams, times
@@ -555,6 +557,31 @@ def test_traction_and_slip_are_each_other_s_inverse(slip):
     assert gradient == pytest.approx(rise, rel=1e-4)
     if 0.0 <= slip < 0.4:
         assert y == pytest.approx(1.0 - np.exp(-7.5 * slip))
+
+
+@pytest.mark.parametrize("steer_deg", [5.0, 40.0])
+def test_front_wheels_steered_into_a_curve_tell_the_whole_yaw_rate(steer_deg):
+    of, memory = setup(), at_speed()
+    yaw_rate = 2.0 * np.tan(np.radians(steer_deg)) / of.wheelbase_m
+    apart = yaw_rate * of.track_front_m * np.cos(np.radians(steer_deg))
+    front = 2.0 / np.cos(np.radians(steer_deg)) + 0.5 * apart * np.array([-1.0, 1.0])
+    signal = counted_wheels(memory["time_ns"], wheel_mps=np.append(front, [2.0, 2.0]))
+    memory["seen_mps"][FROM_TOWED] = front.mean()
+    nominal_values = np.array([nominal(of)], NOMINAL)[0]
+    for _ in range(200):
+        yawing(signal, 0.02, 2.0, nominal_values, memory)
+    assert memory["yaw_rate"] == pytest.approx(yaw_rate, rel=1e-3)
+
+
+def test_the_smoother_errs_less_and_as_it_says():
+    """It errs less than the filter, as much as it says, also where counts begin anew."""
+    made = streams(DRIVE, setup())
+    _, by_filter = estimated(made)
+    _, table = SLIP_EKF_SMOOTH.run(SLIP_EKF_SMOOTH.init(setup()), made)
+    t = seconds(table["epoch_ns"])
+    assert rms(table, DRIVE, 2.0) < 0.9 * rms(by_filter, DRIVE, 2.0)
+    normalised = (table["slip"] - DRIVE.slip(t)) / table["slip_sd"]
+    assert np.mean(normalised[t > 2.0] ** 2) < 1.5
 
 
 def test_a_covariance_stays_one():
