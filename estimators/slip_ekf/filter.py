@@ -75,7 +75,7 @@ def loop(
             continue
         advance(signal.epoch_ns, nominal, tuning, memory, f, q, room)
         if measure(signal, slower[i], h, nominal, tuning, memory):
-            report(out[n], signal, nominal, memory)
+            report(out[n], signal, h, nominal, memory)
             n += 1
     return n
 
