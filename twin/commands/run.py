@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from twin.commands.output import check_folder
 from twin.commands.terminal import progress, say
-from twin.errors import BadInput
+from twin.errors import BadInput, TwinError
 from twin.io.atomic import moved_when_complete
 from twin.pipeline import named as registry
 from twin.pipeline import public
@@ -40,6 +40,8 @@ class Options:
     """Folder for the report's figures as SVG and PDF, one column (85 mm) wide."""
     frames: Path | None = None
     """Folder for the frames of the camera as PNG."""
+    events: Path | None = None
+    """TOML file of events: throttle, shifts, stops and more, by time, place or condition."""
     mask: tuple[float, float] | None = None
     """Mask both GNSS antennas: start of the mask and its duration [s]."""
     view: bool = False
@@ -80,7 +82,7 @@ def execute(
 
     directory = options.out or run_folder.default_directory(_called(scenario, named), scenario.seed)
     run_folder.refuse_foreign(directory)  # before the work, not after it
-    scenario = _masked(scenario, options.mask)
+    scenario = _masked(_with_events(scenario, options.events), options.mask)
     refuse_unread(scenario, named)
     _check_frames(scenario, options.frames)
     check_folder("figures", options.figures)
@@ -109,6 +111,20 @@ def status(result: Result) -> int:
     for why in result.failed.values():
         print(f"twin: {why}; its estimates are NaN", file=sys.stderr)
     return 1 if result.failed else 0
+
+
+def _with_events(scenario: Thing, path: Path | None) -> Any:
+    """The scenario with the events of a file in place of its own."""
+    if path is None:
+        return scenario
+    if not hasattr(scenario, "events"):
+        raise BadInput(f"--events {path}: scenario '{scenario.name}' has no machine that is driven")
+    from twin.scenario.event_file import read_events
+
+    try:
+        return dataclasses.replace(scenario, events=read_events(path))
+    except TwinError as error:
+        raise BadInput(str(error) if str(path) in str(error) else f"{path}: {error}") from None
 
 
 def _masked(scenario: Thing, mask: tuple[float, float] | None) -> Any:

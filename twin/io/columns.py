@@ -183,6 +183,7 @@ _POWERS = {
     "joint": "power lost in the damping of joints",
     "lift": "power that the lift takes from the linkage",
     "steer": "power that the steering takes from the front wheels",
+    "mass": "power that mass brings in as tanks are filled, counted negative; or takes along",
     "contact": "power lost at MuJoCo's own contacts and joint limits",
     "step": "energy error of the time integration, which halves with the step",
 }

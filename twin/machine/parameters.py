@@ -240,7 +240,7 @@ def _coupling(
     sizes = (Coupling.CAPACITY_NM, Coupling.WINDUP_RAD, Coupling.DAMPING_S)
     own = _named(numbers, kind, sizes)
     if kind == "clutch":  # it sits at the engine, the wind-up is the axle's
-        own[Coupling.CAPACITY_NM] *= gear_ratio
+        own[Coupling.CAPACITY_NM] *= abs(gear_ratio)
     return {
         Coupling.CONTROL: model.actuator(CONTROLS.get(kind, "brake")).id,
         Coupling.WINDUP: memory.address(model, f"{name}_windup"),

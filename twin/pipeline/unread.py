@@ -65,7 +65,7 @@ def _hitch(holds: Callable[[Plough], bool]) -> Met:
 
 
 def _mixed(scenario: Scenario) -> bool:
-    return scenario.field.soil_map is not None or scenario.field.other_share > 0.0
+    return scenario.field.mixed
 
 
 def _law_reads(*names: str) -> Met:

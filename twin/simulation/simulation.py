@@ -100,7 +100,7 @@ class Simulation:
     @property
     def engine_radps(self) -> Array:
         """Engine speeds now. Shape (nsim,)."""
-        return np.asarray(self.machine.scenario.gear.ratio * self.qvel[:, self.engine])
+        return np.asarray(self.drivetrain["gear_ratio"][0] * self.qvel[:, self.engine])
 
     def driven_axle(self) -> DrivenAxle:
         """Means over the driven wheels, as the callback last reported them. Shapes (nsim,)."""
