@@ -8,15 +8,17 @@ states (Schmidt 1966); noise learnt from innovations (Mehra 1970, IEEE TAC 15, 1
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators import signals
 from estimators.estimate import ROW
-from estimators.slip_ekf.filter import UNHEARD_PSD, loop
+from estimators.innovations import KEPT, MOST, as_table
+from estimators.slip_ekf.filter import UNHEARD_PSD, kept_innovations, loop
 from estimators.slip_ekf.held import USED, Held, held, start
 from estimators.slip_ekf.layout import first_memory
 from estimators.slip_ekf.tuning import TUNING
@@ -98,6 +100,17 @@ class SlipEkf:
     """An accelerometer's word alone holds a speed off for this time [s]: longer than the half-sines
     of 0.2 s of the IMA-PKF paper."""
 
+    tunable: ClassVar[Mapping[str, str]] = {
+        "jerk_psd": "assumed",
+        "own_share": "assumed",
+        "usual_psd": "assumed",
+        "swing_sd": "assumed",
+        "leak_psd": "assumed",
+        "quick_sd": "assumed",
+        "receiver_share": "assumed",
+    }
+    """What innovations may tell of, and the grade of what stands above."""
+
     def init(self, setup: Setup) -> State:
         """The state before the first sample."""
         tuning = np.zeros(1, TUNING)
@@ -122,6 +135,19 @@ class SlipEkf:
             count = loop(samples, slower, reader.nominal[0], state.tuning[0], memory[0], rows)
         table = {name: np.ascontiguousarray(rows[name][:count]) for name in ESTIMATES}
         return State(reader, known, state.tuning, memory), table
+
+    def innovations(self, setup: Setup, streams: Streams) -> Table:
+        """What each measurement, refused or not, is off what was foretold, and its variance."""
+        state = self.init(setup)
+        reader, samples = signals.read(state.reader, streams, USED)
+        _, slower = held(state.held, streams)
+        memory, kept = state.memory.copy(), np.zeros(MOST * len(samples), KEPT)
+        memory["notes"]["wanted"] = 1
+        count = 0
+        if len(samples):
+            nominal, tuning = reader.nominal[0], state.tuning[0]
+            count = kept_innovations(samples, slower, nominal, tuning, memory[0], kept)
+        return as_table(kept[:count])
 
 
 SLIP_EKF = SlipEkf()

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from estimators.innovations import note
 from estimators.kalman import Array, Record
 from estimators.layout import STALE_S
 from estimators.slip_ekf import learn, motion, rows
@@ -291,6 +292,7 @@ def _take_rear(
         r = speed_var(NUMBER[FROM_DRIVEN], speed, tau, var, memory)
         error = speed - rows.driven(memory.x, memory.rim_mps, age + tau, h)
     total = variance(memory.p, h, r)
+    note(memory.notes, error, total)
     nis = error**2 / total
     memory.nis_sum[FROM_DRIVEN] += nis
     memory.nis_count[FROM_DRIVEN] += 1

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from estimators.innovations import keep, note
 from estimators.kalman import Array, Record
 from estimators.layout import (
     CAMERA,
@@ -77,6 +78,22 @@ def loop(
             report(out[n], signal, nominal, memory)
             n += 1
     return n
+
+
+@array_law
+def kept_innovations(
+    signals: Any, slower: Array, nominal: Record, tuning: Record, memory: Record, kept: Any
+) -> int:
+    """Take the samples, keep their innovations; returns how many. The room is as `loop` has it."""
+    count = 0
+    h = np.zeros(SIZE)
+    f, q, room = np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
+    for i in range(len(signals)):
+        if not signals[i].flags & OUT_OF_ORDER:
+            advance(signals[i].epoch_ns, nominal, tuning, memory, f, q, room)
+            measure(signals[i], slower[i], h, nominal, tuning, memory)
+            count = keep(memory.notes, signals[i], kept, count)
+    return count
 
 
 @array_law
@@ -304,6 +321,7 @@ def _take_imu(
     error = accel - rows.accel(memory.x, h)
     white += max(memory.jerk_psd, tuning.jerk_psd) * age
     total = variance(memory.p, h, white)
+    note(memory.notes, error, total)
     memory.nis_sum[FROM_IMU] += error**2 / total
     memory.nis_count[FROM_IMU] += 1
     if error**2 > FOLLOW**2 * total:

@@ -1,6 +1,7 @@
 """Every field of a scenario is refused by name where it means nothing."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -157,3 +158,13 @@ def test_a_time_step_is_one_of_three_and_patches_are_four_at_most():
     assert len(Field(patches=patches[:4]).patches) == 4
     with pytest.raises(OutOfRange, match=r"field\.patches = 5"):
         Field(patches=patches)
+
+
+def test_patches_are_held_to_the_ranges_of_the_other_soil_where_there_is_some():
+    soft = Soil(preset="soft", cone_index_kpa=60.0)
+    patches = (Patch(start_m=0.0, length_m=10.0, cone_index_factor=0.5),)
+    alone = Field(patches=patches, other_soil=soft)
+    firm = Soil(cone_index_kpa=1000.0)
+    Scenario(name="all of the first", soil=firm, field=alone)
+    with pytest.raises(OutOfRange, match=r"field\.patches\[0\].*field\.other_soil\.cone_index_kpa"):
+        Scenario(name="both", soil=firm, field=replace(alone, other_share=0.3))

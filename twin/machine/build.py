@@ -31,7 +31,7 @@ from twin.physics.callback import install
 from twin.scenario import Plough, Scenario
 from twin.terrain.grid import GridMap
 from twin.terrain.maps import ground_maps
-from twin.terrain.place import add_envelopes, add_map, show_heights
+from twin.terrain.place import add_envelopes, add_map, fill, show_heights
 
 Array = NDArray[np.float64]
 
@@ -113,6 +113,7 @@ def assemble(
     if dress is not None:
         dress(spec)
     model = spec.compile()
+    fill(model, maps, wheel_radii_m(numbers))
     hitch = _hitch(spec)
     reflected = numbers["engine.inertia_kgm2"] * scenario.gear.ratio**2
     model.dof_armature[model.joint("drive").dofadr[0]] = reflected

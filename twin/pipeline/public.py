@@ -88,6 +88,7 @@ def estimate(
     strict: bool = False,
     offset_s: Mapping[str, float] | None = None,
     hide_s: Iterable[float] = (),
+    tuning: str | Path | None = None,
 ) -> Result:
     """Run the estimators on a recorded drive.
 
@@ -102,6 +103,7 @@ def estimate(
             given is found from the speeds.
         hide_s: for how long GNSS is hidden at regular places while driving [s];
             `scores["hidden"]` then says how well each estimator foretold the receiver's speed.
+        tuning: file that `twin tune` wrote: other noises of some of the estimators.
 
     Raises:
         BadInput: the log or the map cannot be used; the message names the value.
@@ -118,6 +120,7 @@ def estimate(
     return estimated(
         files, path, estimators=by_name(estimators), reader=by, strict=strict,
         offset_s=offset_s, hide_s=tuple(hide_s),
+        tuning=None if tuning is None else Path(tuning),
     )  # fmt: skip
 
 

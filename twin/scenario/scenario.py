@@ -82,7 +82,10 @@ class Scenario:
             raise OutOfRange("timestep_s", self.timestep_s, f"the choices {STEPS_S}")
         if not 0 <= self.seed < 2**31:
             raise OutOfRange("seed", self.seed, "[0, 2147483647]")
-        check_patches(self.soil.resolved, self.field.patches)
+        check_patches("soil", self.soil.resolved, self.field.patches)
+        if self.field.mixed:
+            other = self.field.other_soil.resolved
+            check_patches("field.other_soil", other, self.field.patches)
         refuse_impossible(self)
 
     def _check_machine(self) -> None:
