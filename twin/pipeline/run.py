@@ -15,6 +15,7 @@ from twin import sensors
 from twin.camera import tracking
 from twin.camera.frames import DrawnFrames
 from twin.camera.tracking import Tracker
+from twin.io.spool import Spool
 from twin.machine.build import Machine
 from twin.machine.geometry import geometry
 from twin.pipeline.estimating import Estimator, all_estimates
@@ -127,7 +128,8 @@ def sense(
     state = sensors.init(fitted, scenario.seed)
     tracker = _tracker(fitted, machine, frames)
     course_m, driven_m, driven_s = length_m(scenario), 0.0, 0.0
-    streams, parts, kept, ends = [], [], list[Frames](), list[End]()
+    tables, framed, rows = dict[str, Spool](), list[Streams](), Spool()
+    kept, ends = list[Frames](), list[End]()
     with ThreadPoolExecutor(1) as pool:
         for chunk in itertools.chain(recording.chunks(), run_chunks):
             state, sampled = sensors.sample(fitted, state, chunk)
@@ -136,11 +138,14 @@ def sense(
             sampled = recording.recorded(sampled)
             if tracker is not None:
                 tracker, sampled = tracking.track(tracker, sampled, pool)
-            streams.append(sampled)
+            for name, table in sampled.tables.items():
+                tables.setdefault(name, Spool()).append(table)
+            if sampled.frames is not None:
+                framed.append(Streams({}, sampled.frames))
             if chunk.end is not None:
                 ends.append(chunk.end)
             if chunk.epoch_ns[0] >= recording.start_ns:
-                parts.append(truth.sample(chunk, driven))
+                rows.append(truth.sample(chunk, driven))
                 place_w = chunk["position_w"]
                 driven_m += float(np.linalg.norm(place_w[-1] - place_w[0]))
                 driven_s = float(chunk.epoch_ns[-1] - recording.start_ns) * 1e-9
@@ -148,10 +153,11 @@ def sense(
     plough = scenario.plough
     full_m = None if plough is None else full_depth_m(plough.depth_m, plough.hitch)
     progress(1.0, driven_s)
-    table = truth.integrate(truth.concatenate(parts), full_m)
+    table = truth.integrate(rows.table(), full_m)
     true = {name: np.ascontiguousarray(c) for name, c in table.items()}
     shown = ChainMap(*kept) if kept else None  # type: ignore[arg-type,var-annotated]
-    return concatenate(streams), true, shown, ends
+    streams = {name: spool.table() for name, spool in tables.items()}
+    return Streams(streams, concatenate(framed).frames), true, shown, ends
 
 
 def _tracker(fitted: Sensors, machine: Machine, frames: Path | None) -> Tracker | None:
