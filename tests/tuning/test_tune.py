@@ -13,7 +13,8 @@ from twin.pipeline.named import load
 from twin.streams import Streams
 from twin.testing import drives
 from twin.tuning.held_out import density_gain, rms_gain
-from twin.tuning.tune import to_text, tune_one
+from twin.tuning.result import to_text
+from twin.tuning.tune import tune_one
 
 
 @pytest.mark.slow

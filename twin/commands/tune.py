@@ -21,7 +21,7 @@ from twin.errors import BadInput
 
 if TYPE_CHECKING:
     from twin.tuning.held_out import Gain
-    from twin.tuning.tune import Tuning, Value
+    from twin.tuning.result import Tuning, Value
 
 
 LEFT = {
@@ -71,7 +71,8 @@ def main(args: Sequence[str]) -> int:
         raise BadInput(f"{out} exists and twin tune did not write it; name another with --out")
     check_files(out=out)
     estimators = load_estimators(options.estimators)
-    from twin.tuning.tune import tune, write
+    from twin.tuning.result import write
+    from twin.tuning.tune import tune
 
     with counting("tuning", "estimators", shown=not (options.quiet or options.json)) as told:
         found = tune(
