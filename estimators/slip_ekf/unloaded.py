@@ -114,7 +114,8 @@ def _at_work(torque: float, dt: float, h: Array, memory: Record) -> None:
     if memory.work_s <= WORK_S:
         return
     if memory.time_ns - memory.seen_ns[FROM_TOWED] < 1e9:
-        found = REAR_OVER_FRONT * (memory.x[TOWED] - memory.towed_before)
+        changed = min(max(memory.x[TOWED] - memory.towed_before, 0.0), 2.0 * MOVED)
+        found = REAR_OVER_FRONT * changed
         memory.x[RADIUS] += 0.5 * (MOVED - found)  # as sure as what was thought before
         memory.p[RADIUS, RADIUS] -= 0.5 * MOVED_SD**2
     own = OWN_TORQUE * memory.torque[0]
