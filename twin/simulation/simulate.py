@@ -12,6 +12,7 @@ from twin.scenario.route import LOWERING_M, Leg
 from twin.simulation.columns import Record, Recorder
 from twin.simulation.driver import HitchControl, Observation
 from twin.simulation.ends import EndMonitor, Progress
+from twin.simulation.operating import Operator
 from twin.simulation.passes import Passes
 from twin.simulation.quiet import quiet
 from twin.simulation.simulation import DECISION_S, Simulation
@@ -24,9 +25,11 @@ CHUNK_DECISIONS = 50
 class CourseRun:
     """One machine on its scenario's course: its passes, and how the drive ends."""
 
-    def __init__(self, machine: Machine) -> None:
-        self.machine = machine
+    def __init__(self, machine: Machine, operator: Operator | None = None) -> None:
+        self.machine, self.operator = machine, operator
         self.simulation = Simulation(machine)
+        self.own_task = self.simulation.tasks[0].copy()
+        self.last: Record | None = None
         task = self.simulation.tasks[0]
         self.ploughs = bool(task["hitch"] != HitchControl.RAISED)
         self.full_depth_m = float(task["full_depth_m"])
@@ -62,8 +65,22 @@ class CourseRun:
         if self.seen_from is not self.passes.legs[0]:  # else `end` has just looked
             self.observe()
         self.seen_from = None
+        if self.operator is not None:
+            self._operate(self.operator)
         self.simulation.decide()
-        return self.simulation.run()
+        self.last = self.simulation.run()
+        return self.last
+
+    def _operate(self, operator: Operator) -> None:
+        """Let the operator set throttle and hitch for the next decision."""
+        seen, task = self.simulation.seen[0], self.simulation.tasks[0]
+        past = seen["along_m"] >= self.machine.scenario.course.approach_m
+        levers = operator(self.simulation, self.last, bool(past and not seen["turning"]))
+        if levers is None:
+            self.simulation.tasks[0] = self.own_task
+        else:
+            task["throttle"], task["work_rad"] = levers
+            task["hitch"] = HitchControl.SET
 
     def end(self) -> End | None:
         """The end of the drive if it has ended, else None; call it once after each decision."""
@@ -133,18 +150,21 @@ class CourseRun:
         return max(max(ends) + half_m, half_m - min(ends)) >= edge_m
 
 
-def simulate(machine: Machine, chunk_decisions: int = CHUNK_DECISIONS) -> Iterator[Trajectory]:
+def simulate(
+    machine: Machine, chunk_decisions: int = CHUNK_DECISIONS, operator: Operator | None = None
+) -> Iterator[Trajectory]:
     """Drive the scenario's course; trajectories of about a second each, contiguous.
 
     The last says how the drive ended: at the end of the course, or early (`twin.simulation.ends`)
     where the tractor has rolled over, left its line, got stuck on spinning wheels, slid away on
     skidding ones, run away with an engine far above its no-load speed, or stalled: gained less
-    than 0.25 m along a leg of the course in 5 s, whether it stands, rocks or slides.
+    than 0.25 m along a leg of the course in 5 s, whether it stands, rocks or slides. An operator
+    sets throttle and hitch in the driver's place.
 
     Raises:
         Diverged: a state is not finite, or MuJoCo warned.
     """
-    run, recorder, end = CourseRun(machine), Recorder(machine), None
+    run, recorder, end = CourseRun(machine, operator), Recorder(machine), None
     while end is None:
         records: list[Record] = []
         with quiet():
