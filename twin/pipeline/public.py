@@ -61,7 +61,8 @@ def run(
         seed: of everything random, in place of the scenario's.
         progress: called with the share of the course driven, 0 to 1, and the time driven [s].
         frames: folder where the camera's frames are saved as PNG.
-        controlled: who sets throttle and hitch in work; see `twin.control.on_machine.controlled_by`.
+        controlled: who sets throttle and hitch in work, by
+            `twin.control.on_machine.controlled_by`.
 
     Raises:
         BadInput: a field is set that has no effect in this run, or a name is unknown.

@@ -87,8 +87,8 @@ def run(
     else:
         if controlled is not None:
             raise BadInput(
-                f"controller '{controlled.name}': scenario '{scenario.name}' has signals alone, and "
-                "no machine to drive"
+                f"controller '{controlled.name}': scenario '{scenario.name}' has signals alone, "
+                "and no machine to drive"
             )
         setup, streams, true = _measured(scenario)
         odd = percent_note("slip of the truth", true, streams)
