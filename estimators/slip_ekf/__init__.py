@@ -47,7 +47,8 @@ class SlipEkf:
 
     Learnt on the way: noise of the accelerometer, of speeds and counts, and the jitter of the
     instants at which counters are read (`learn`, `counts`), never below the data sheet; how fast
-    the motion changes; how slip spreads about the usual one; the line from load to slip (`load`).
+    the motion changes; how traction spreads about the usual one; the line from load to traction
+    (`load`).
     Counts are taken as travel, whose rounding does not add up. GNSS meets the speed of its own
     epoch, and a speed that a table carries onto faster rows is taken once.
 
@@ -66,8 +67,8 @@ class SlipEkf:
     learnt; 0.4 to 0.5 when ploughing in the twin, 1 where a throttle moves both."""
     own_share: float = 0.05
     """Density of the wheels' own jerk over that of the ground speed; more is learnt."""
-    usual_psd: float = 3e-6
-    """Density of the walk of the usual slip [1/s]: 1.3 points in a minute."""
+    traction_psd: float = 3e-5
+    """Density of the walk of the traction at the mean load [1/s]: 0.05 of its most in a minute."""
     swing_sd: float = 0.001
     """sd of the slip that comes of pitching."""
     swing_hz: float = 1.8
@@ -101,15 +102,12 @@ class SlipEkf:
     of 0.2 s of the IMA-PKF paper."""
 
     tunable: ClassVar[Mapping[str, str]] = {
-        "jerk_psd": "assumed",
-        "own_share": "assumed",
         "usual_psd": "assumed",
         "swing_sd": "assumed",
         "leak_psd": "assumed",
-        "quick_sd": "assumed",
-        "receiver_share": "assumed",
+        "bias_psd": "assumed",
     }
-    """What innovations may tell of, and the grade of what stands above."""
+    """What innovations may tell of and the filter does not learn itself, with its grade."""
 
     def init(self, setup: Setup) -> State:
         """The state before the first sample."""

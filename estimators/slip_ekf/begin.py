@@ -6,6 +6,7 @@ import math
 
 from estimators.kalman import Record
 from estimators.layout import STALE_S
+from estimators.slip_ekf.brixius import traction
 from estimators.slip_ekf.layout import (
     ACROSS,
     BIAS,
@@ -22,8 +23,9 @@ from estimators.slip_ekf.layout import (
     SWING,
     SWING_RATE,
     TOWED,
-    USUAL,
+    TRACTION,
     WHEEL_BIAS,
+    ZERO,
     A,
     V,
     W,
@@ -42,10 +44,15 @@ ACCEL_SD_MPS2 = 1.0
 LEAST_ALONG, LEAST_REST = 0.1, 0.01
 """Least of the front wheels' speed, squared, that is along the machine: they steer by 72 degrees at
 most; and of the root beyond which front wheels do not tell the turning, at 45 degrees."""
+FIRST_RECEIVER = 0.7
+"""sd of the receiver error that lasts at the start, over the noise it states."""
 RADIUS_SD = 0.01
 """sd of the driven wheels' mean radius error: tyre pressure, wear, load."""
-USUAL_SD, NO_IDEA_SD = 0.05, 0.1
-"""sd of the usual slip about the first one, and where that says nothing."""
+ZERO_SLIP, ZERO_SLIP_SD = 0.007, 0.006
+"""Slip with the plough out of the ground, and its sd from soil to soil: in the twin 0.3 to 0.6 % on
+firm soil by Brixius' and Bekker's laws, 1.8 % on soft soil."""
+USUAL_SD, NO_IDEA_SD = 0.05, 0.5
+"""sd of the usual slip about the first one; sd of the usual traction where that says nothing."""
 
 
 @array_law
@@ -86,22 +93,23 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
         x[i] = 0.0
         for j in range(SIZE):
             p[i, j] = 0.0
-    x[V], x[W] = speed, rear
+    x[V], x[W], x[ZERO] = speed, rear, ZERO_SLIP
     bias_sd = max(nominal.accel_bias_sd_mps2, LEAST_BIAS_SD_MPS2)
     swing = tuning.swing_sd
     for state, deviation in (
         (V, math.sqrt(var)),
-        (W, math.sqrt(rear_var + (RADIUS_SD * rear) ** 2 + since_var)),
+        (W, math.sqrt(rear_var + since_var)),
         (A, ACCEL_SD_MPS2),
         (RATE, ACCEL_SD_MPS2),
         (BIAS, math.hypot(nominal.gravity * tuning.leak_sd, bias_sd)),
         (WHEEL_BIAS, bias_sd),
         (RADIUS, RADIUS_SD),
+        (ZERO, ZERO_SLIP_SD),
         (TOWED, tuning.scale_sd),
         (CAMERA, tuning.scale_sd),
         (QUICK, tuning.quick_sd),
         (LATE, LATE_SD_S),
-        (RECEIVER, tuning.receiver_share * nominal.velocity_sd_mps),
+        (RECEIVER, FIRST_RECEIVER * nominal.velocity_sd_mps),
         (SWING, swing),
         (SWING_RATE, swing * 2.0 * math.pi * tuning.swing_hz),
         (ACROSS, 1.0),
@@ -109,7 +117,6 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
         (FRONT, math.sqrt(2.0 * rear_var) * tau),
     ):
         p[state, state] = deviation**2
-    p[W, RADIUS] = p[RADIUS, W] = -(RADIUS_SD**2) * rear
     origin = tau > 0.0 and age == 0.0
     memory.spans[0] = 1 if origin else 0
     memory.spans[1] = 1 if origin and math.isfinite(front) else 0
@@ -175,12 +182,12 @@ def _usual(memory: Record) -> None:
     """The first slip is the usual one, as far as anybody knows: 1 - v / w, its sd and 0.05 more."""
     x, p = memory.x, memory.p
     v, w = x[V], x[W]
-    p[USUAL, USUAL] = NO_IDEA_SD**2
+    p[TRACTION, TRACTION] = NO_IDEA_SD**2
     if max(abs(v), abs(w)) >= SLOW_MPS:
         turning = math.copysign(max(abs(w), SLOW_MPS), w)
-        x[USUAL] = max(-2.0, min(0.9, 1.0 - v / turning))
-        by_v, by_w = -1.0 / turning, v / turning**2
-        p[USUAL, USUAL] = by_v**2 * p[V, V] + by_w**2 * p[W, W] + USUAL_SD**2
-        p[V, USUAL] = p[USUAL, V] = by_v * p[V, V]
-        p[W, USUAL] = p[USUAL, W] = by_w * p[W, W]
-        p[RADIUS, USUAL] = p[USUAL, RADIUS] = by_w * p[W, RADIUS]
+        x[TRACTION], steep = traction(max(-2.0, min(0.9, 1.0 - v / turning)))
+        by_v, by_w = -steep / turning, steep * v / turning**2
+        var = by_v**2 * p[V, V] + by_w**2 * p[W, W] + (steep * USUAL_SD) ** 2
+        p[TRACTION, TRACTION] = var
+        p[V, TRACTION] = p[TRACTION, V] = by_v * p[V, V]
+        p[W, TRACTION] = p[TRACTION, W] = by_w * p[W, W]

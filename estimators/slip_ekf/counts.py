@@ -8,36 +8,31 @@ import numpy as np
 
 from estimators.innovations import note
 from estimators.kalman import Array, Record
-from estimators.layout import STALE_S
-from estimators.slip_ekf import learn, motion, rows
+from estimators.slip_ekf import learn, load, motion, rows, unloaded
 from estimators.slip_ekf.begin import begin
-from estimators.slip_ekf.held import HELD, PLOUGH
+from estimators.slip_ekf.held import PLOUGH
 from estimators.slip_ekf.judge import heard, judged
 from estimators.slip_ekf.layout import (
-    BIAS,
     FROM_DRIVEN,
-    FROM_GNSS,
     FROM_TOWED,
     FRONT,
     NUMBER,
     ONE_WHEEL,
-    RADIUS,
-    RAISED,
     RATE,
     READING,
     REAR,
     SIZE,
-    TOWED,
-    USUAL,
     A,
     V,
     W,
 )
-from estimators.slip_ekf.load import by_load, centred, learn_line
 from estimators.slip_ekf.update import grow, restart, take, variance
 from estimators.slip_ekf.wheels import APART_S, axle, in_the_air, radius, usable
 from twin.compute.compiled import array_law
 
+MEASURED_PSD, WHEEL_ACCEL_SD = 0.3, 0.06
+"""Density of slip's own noise where the wheels have an accelerometer [1/s3], and its sd [m/s2]; the
+IMA-PKF paper's."""
 JUMP_MPS = 2.0
 """No wheel changes its speed by more between two samples, beyond what jitter makes [m/s]."""
 MOST_LEAPS = 10
@@ -56,15 +51,6 @@ SETTLE, SLOW_MPS = 100.0, 0.2
 """Samples over which the noise of the counts is averaged, and the speed above which [m/s]."""
 AHEAD_S = 0.06
 """No further ahead of the newest gyro sample is the pitch predicted [s]."""
-ZERO_SLIP, ZERO_SLIP_SD, ZERO_SLIP_S, MOST_ZERO_SLIP_S = 0.0055, 0.015, 0.02, 0.5
-"""Slip with the plough out of the ground, the middle of the 0.2-0.9 % that pull nothing, and its sd
-over so long [s]: 0.3 % over half a second, and one sample never says more."""
-UNLOAD, UNLOAD_SD, LOAD, LOAD_SD = -0.0045, 0.002, 0.0065, 0.002
-"""Change of the counted over the true speed when the plough goes down, and its sd: each rear wheel
-loses about 7 kN and its radius grows, by 0.4 to 0.5 % in the twin; the front wheels get it and
-shrink."""
-SETTLE_SD_MPS2 = 0.05
-"""sd by which gravity's part changes then, as the body settles another way."""
 
 
 @array_law
@@ -132,9 +118,9 @@ def take_wheels(
     _take_front(age, tau, spans, front, front_var, front_turn, h, tuning, memory)
     _take_rear(age, tau, spans, rear, rear_var, dt, h, tuning, memory)
     _take_accel(signal, dt, h, memory)
-    _zero(slower[PLOUGH], dt, h, memory)
+    unloaded.take_plough(slower, dt, h, memory)
     if slower[PLOUGH] != 1.0:
-        _usual(slower, dt, h, tuning, memory)
+        load.take_expected(slower, dt, h, tuning, memory)
     memory.wheels_ns = signal.epoch_ns
 
 
@@ -158,8 +144,11 @@ def turned(epoch_ns: int, memory: Record) -> float:
 def yawing(signal: Record, dt: float, jump: float, nominal: Record, memory: Record) -> None:
     """Right less left of both axles, averaged, and the yaw rate: the gyro's, else the wheels'.
 
-    yaw rate = (right - left) / track,   of the towed wheels where there are any
+    yaw rate = (right - left) / (track cos(steer)),   of the towed wheels where there are any
+
+    1 / cos(steer) is the way of a front wheel over that of the rear-axle centre.
     """
+    way, _ = motion.longer(memory.x[V], nominal.wheelbase_m * memory.yaw_rate)
     share = min(max(dt, 0.0) / APART_S, 1.0)
     rate = signal.yaw_rate_radps
     for rear in range(2):
@@ -174,7 +163,7 @@ def yawing(signal: Record, dt: float, jump: float, nominal: Record, memory: Reco
             memory.apart_mps[at] += share * (apart - memory.apart_mps[at])
             track = nominal.track_rear_m if rear else nominal.track_front_m
             if signal.yaw_rate_radps == 0.0 and track > 0.0 and (not driven or rate == 0.0):
-                rate = memory.apart_mps[at] / track
+                rate = memory.apart_mps[at] / track * (1.0 if rear else way)
     memory.yaw_rate = rate
 
 
@@ -352,86 +341,3 @@ def _take_accel(signal: Record, dt: float, h: Array, memory: Record) -> None:
     if error**2 > 9.0 * total:
         motion.shaken(memory.p, 0.0, (error**2 - total) / max(step, 1e-3), 0.0, step)
     take(memory, h, error, WHEEL_ACCEL_SD**2)
-
-
-UNCOUNTED_S = 0.2
-"""After this time without a count the usual slip says less [s]."""
-SCATTER_SD, LEARN_SD = 0.02, 0.05
-"""The line is learnt from a slip known as well as this."""
-NEW_SLIP_SD, AGAIN_SD = 0.15, 0.05
-"""sd of the slip that a plough calls for when it goes down for the first time, and again."""
-MOVING_MPS, SLIP_LEARN_S, LEAST_SLIP_SD, MOST_SLIP_SD = 0.3, 30.0, 0.01, 0.1
-"""Speed above which there is a usual slip [m/s]; time over which the spread of slip about it is
-learnt [s]; between what it is kept."""
-MEASURED_PSD, WHEEL_ACCEL_SD = 0.3, 0.06
-"""Density of slip's own noise then [1/s3], and sd of such an accelerometer [m/s2]; the IMA-PKF
-paper's."""
-
-
-@array_law
-def _zero(raised: float, dt: float, h: Array, memory: Record) -> None:
-    """The zero condition: with the plough out of the ground the axle slips by a little known.
-
-    variance of one sample in dt: (sd rim)^2 0.02 s / dt, so that no rate of the wheels counts more
-
-    When the plough goes down the driven tyres carry less and their radius grows.
-    """
-    memory.clear = 1 if raised == 1.0 else 0
-    if memory.clear:
-        memory.flags |= RAISED
-        if memory.raised == 0:
-            memory.raised = 1
-            if memory.lowered:
-                _reload(-1.0, memory)
-        if abs(memory.x[V]) > 0.5 and abs(memory.x[A]) < 0.3 and dt > 0.0:
-            error = -rows.no_slip(memory.x, ZERO_SLIP, h)
-            per_sample = ZERO_SLIP_S / min(dt, MOST_ZERO_SLIP_S)
-            take(memory, h, error, (ZERO_SLIP_SD * memory.rim_mps) ** 2 * per_sample)
-    elif raised == 0.0 and memory.raised == 1:
-        _reload(1.0, memory)
-        memory.p[USUAL, USUAL] += AGAIN_SD**2 if memory.lowered else NEW_SLIP_SD**2
-        memory.raised, memory.lowered = 0, 1
-
-
-@array_law
-def _usual(slower: Array, dt: float, h: Array, tuning: Record, memory: Record) -> None:
-    """The driven wheels slip about as usual: what slip is off it by lasts some seconds.
-
-    v = w (1 - usual),   variance of one sample in dt: 2 slip_var rim^2 slip_s / dt
-
-    While GNSS is there, slip_var is learnt from what slip is off by.
-    """
-    rim = memory.rim_mps
-    if abs(rim) < MOVING_MPS or not 0.0 < dt < STALE_S:
-        return
-    spread = max(memory.slip_var, LEAST_SLIP_SD**2) * rim**2
-    z, room = np.zeros(HELD), np.zeros(HELD)
-    centred(slower, memory, z)
-    loaded, loaded_var = by_load(z, memory)
-    off = rows.usual_slip(memory.x, loaded, rim, h)
-    state_var = variance(memory.p, h, 0.0)
-    known = state_var + loaded_var * rim**2
-    if memory.time_ns - memory.seen_ns[FROM_GNSS] < 1.5e9 and memory.refused_ns[FROM_GNSS] < 0:
-        memory.slip_s += dt
-        known_well = state_var < (LEARN_SD**2 + memory.p[USUAL, USUAL]) * rim**2
-        if known_well and abs(memory.x[W]) > MOVING_MPS:
-            slip = 1.0 - memory.x[V] / memory.x[W]
-            learn_line(slower, slip, SCATTER_SD**2, dt, z, room, memory)
-        square = min(max(off**2 - known, 0.0) / rim**2, MOST_SLIP_SD**2)
-        share = dt / (min(memory.slip_s, SLIP_LEARN_S) + 5.0)
-        memory.slip_var += min(share, 1.0) * (square - memory.slip_var)
-    spread += loaded_var * rim**2
-    if memory.time_ns - memory.seen_ns[FROM_DRIVEN] > UNCOUNTED_S * 1e9:
-        spread += (MOST_SLIP_SD * rim) ** 2  # wheels that nobody counts may slip as they like
-    r = spread * (1.0 + 2.0 * tuning.slip_s / dt * spread / (spread + known))
-    take(memory, h, -off, r)
-
-
-@array_law
-def _reload(down: float, memory: Record) -> None:
-    """What the wheels carry moves from rear to front as the plough goes down: so do their radii."""
-    memory.x[RADIUS] += down * UNLOAD
-    memory.x[TOWED] += down * LOAD
-    memory.p[RADIUS, RADIUS] += UNLOAD_SD**2
-    memory.p[TOWED, TOWED] += LOAD_SD**2
-    memory.p[BIAS, BIAS] += SETTLE_SD_MPS2**2

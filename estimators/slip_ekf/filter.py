@@ -45,7 +45,7 @@ ACCEL_FLOOR_MPS2 = 0.01
 """No accelerometer is better than this."""
 GYRO_BIAS_SD_RADPS = 1e-3
 """sd of a pitch gyro's bias, 0.06 degrees per second."""
-UNHEARD_PSD, UNHEARD_S, ALONE_S, OWN_PSD = 0.15, 2.0, 0.3, 0.0135
+UNHEARD_PSD, UNHEARD_S, ALONE_S, OWN_PSD = 0.2, 4.0, 0.3, 0.0135
 """Without an accelerometer: density of the jerk [m2/s5], time over which accelerations are
 forgotten [s], and density of the driven
 wheels own jerk [m2/s5]; the driver changes both speeds."""
@@ -75,7 +75,7 @@ def loop(
             continue
         advance(signal.epoch_ns, nominal, tuning, memory, f, q, room)
         if measure(signal, slower[i], h, nominal, tuning, memory):
-            report(out[n], signal, nominal, memory)
+            report(out[n], signal, h, nominal, memory)
             n += 1
     return n
 

@@ -11,23 +11,24 @@ from estimators.innovations import NOTES
 from estimators.slip_ekf.held import HELD
 
 V, A, W, RATE = range(4)
-"""Ground speed [m/s], its acceleration [m/s2], speed of the driven rims [m/s], its rate [m/s2]."""
+"""Ground speed [m/s], its acceleration [m/s2], speed of the driven wheels as their nominal radius
+gives it [m/s], its rate [m/s2]."""
 REAR, FRONT, READING = range(4, 7)
 """Travel of the driven and of the towed wheels less what has been counted [m], and by how much the
 counters were read after their stamp [s]."""
 RADIUS, TOWED, QUICK, CAMERA = range(7, 11)
 """Relative errors: of the driven wheels' counted speed, of the towed wheels', its quick part, and
 of a camera's speed."""
-USUAL, SWING, SWING_RATE = range(11, 14)
-"""Slip that load and ground call for, slip that comes and goes as the body pitches on its tyres,
-and its rate [1/s]."""
+TRACTION, SWING, SWING_RATE = range(11, 14)
+"""Gross traction at the mean load over its most (`brixius`), slip that comes and goes as the body
+pitches on its tyres, and its rate [1/s]."""
 BIAS, TILTING, WHEEL_BIAS = range(14, 17)
 """Bias of the accelerometer with gravity's part [m/s2], the gyro's bias as the rate of that
 [m/s3], bias of a wheel accelerometer [m/s2]."""
-RECEIVER, LATE, ACROSS = range(17, 20)
-"""Error of GNSS that lasts [m/s], time by which it is later than it says [s], and velocity across
-the body [m/s]."""
-SIZE = 20
+RECEIVER, LATE, ACROSS, ZERO = range(17, 21)
+"""Error of GNSS that lasts [m/s], time by which it is later than it says [s], velocity across
+the body [m/s], and slip of the axle with the plough out of the ground."""
+SIZE = 21
 NUMBER = np.arange(SIZE)
 """A number from here is no constant to the compiler, which would compile what it is passed to
 anew for each constant."""
@@ -49,8 +50,8 @@ ONE_WHEEL = 128
 
 FIRST_CAMERA_PSD = 1e-4
 """Density of the walk of a camera's scale before it is learnt: 1 % in a second [1/s]."""
-FIRST_SLIP_SD = 0.04
-"""sd of slip about the usual one before it is learnt; 0.03 ploughing."""
+FIRST_SPREAD_SD = 0.15
+"""sd of the traction about the one that the load calls for, before it is learnt."""
 FIRST_JITTER_S = 1e-3
 """sd of the instants of reading before any is learnt [s]: a log's resolution is often 1 ms."""
 LAGS = 10
@@ -80,7 +81,9 @@ MEMORY = np.dtype(
         ("gyro", "f8"), ("pitch_rad", "f8"), ("pitch_rate", "f8"), ("pitch_accel", "f8"),
         ("pitch_held_rad", "f8"), ("travelled_m", "f8"),
         # slip, load and camera
-        ("clear", "i8"), ("raised", "i8"), ("lowered", "i8"), ("slip_var", "f8"), ("slip_s", "f8"),
+        ("raised", "i8"), ("lowered", "i8"), ("torque", "f8", 2),
+        ("raised_s", "f8"), ("towed_before", "f8"), ("work_s", "f8"), ("work_slip", "f8"),
+        ("y_var", "f8"), ("slip_s", "f8"),
         ("mean_load", "f8", HELD), ("line", "f8", HELD), ("line_p", "f8", (HELD, HELD)),
         ("camera_psd", "f8"), ("camera_scale", "f8", 2), ("camera_ns", "i8"),
         # for a smoother
@@ -113,10 +116,13 @@ motion, where no accelerometer tells it; `off_towed`: last e / sqrt(S) of the to
 accelerations, newest first; `pitch_*`: how the body has turned nose down, and had at the last wheel
 sample.
 
-`clear`: 1 while the plough is known to be raised; `raised`: 1 if it was when that was last known;
-`lowered`: 1 once it has been in the ground; `slip_var`: variance of slip about the usual one,
-learnt for `slip_s`; `mean_load`, `line`, `line_p`: the mean loads, the line from them to slip, and
-its covariance; `camera_*`: density of the walk of a camera's scale, and what that is learnt from.
+`raised`: 1 if the plough was when that was last known;
+`lowered`: 1 once it has been in the ground; `torque`: the axle's mean torque, raised and at work;
+`raised_s`, `work_s`, `work_slip`: for how long, and the mean slip at work; `towed_before`: error of
+the towed wheels as the plough went down; `y_var`: variance of
+the traction about the expected one, learnt for `slip_s`; `mean_load`, `line`, `line_p`: the mean
+loads, the line from them to traction, and its covariance; `camera_*`: density of the walk of a
+camera's scale, and what that is learnt from.
 `keeps`: 1 for a smoother, which needs what measurements have `gained` and `lost` of mean and
 covariance since the last prediction, and which states were `cut` off then;
 `notes`: the innovations of this sample."""
@@ -133,6 +139,6 @@ def first_memory(jerk_psd: float) -> NDArray[Any]:
     memory["interval_s"] = memory["excess"] = memory["spin"] = memory["unrest"] = 1.0
     memory["jerk_psd"] = jerk_psd
     memory["camera_psd"] = FIRST_CAMERA_PSD
-    memory["slip_var"] = FIRST_SLIP_SD**2
+    memory["y_var"] = FIRST_SPREAD_SD**2
     memory["jitter_var"] = FIRST_JITTER_S**2
     return memory

@@ -2,10 +2,10 @@
 
     v'  = v + a dt                              a'  = a exp(-dt / tau)  + white
     w'  = w + r dt                              r'  = r exp(-dt / tau)  + white
-    rear'  = rear  + (w + rim swing) (1 + radius) dt
+    rear'  = rear  + (w + rim swing) dt
     front' = front + hypot(v, wheelbase yaw rate) (1 + towed + quick) dt
     bias'  = bias + tilting dt                  swing'' = -2 z p swing' - p^2 swing + white
-    slip   = 1 - v / (w + rim swing)
+    slip   = 1 - v (1 + radius) / (w + rim swing)
 
 The states are the two speeds and not the slip: what counters, GNSS and accelerometers measure is
 then linear in them, and a filter that has nothing but the driven wheels' counts knows w and stays
@@ -33,7 +33,7 @@ from estimators.slip_ekf.layout import (
     SWING_RATE,
     TILTING,
     TOWED,
-    USUAL,
+    TRACTION,
     WHEEL_BIAS,
     A,
     V,
@@ -78,15 +78,13 @@ def step(
     half = 0.5 * dt
     v = x[V] + half * x[A]
     w = x[W] + rim * x[SWING] + half * (x[RATE] + rim * x[SWING_RATE])
-    driven = 1.0 + x[RADIUS]
-    f[REAR, W], f[REAR, RATE] = dt * driven, dt * half * driven
-    f[REAR, SWING], f[REAR, SWING_RATE] = rim * dt * driven, rim * dt * half * driven
-    f[REAR, RADIUS] = dt * rim
+    f[REAR, W], f[REAR, RATE] = dt, dt * half
+    f[REAR, SWING], f[REAR, SWING_RATE] = rim * dt, rim * dt * half
     way, by_v = longer(v, front_turn)
     towed = 1.0 + x[TOWED] + x[QUICK]
     f[FRONT, V], f[FRONT, A] = dt * by_v * towed, dt * half * by_v * towed
     f[FRONT, TOWED] = f[FRONT, QUICK] = dt * way * v
-    x[REAR] += dt * w * driven
+    x[REAR] += dt * w
     x[FRONT] += dt * way * v * towed
     f[W, RATE] = dt
     x[W] += dt * x[RATE]
@@ -159,7 +157,7 @@ def noise(
     q[SWING, SWING_RATE] = q[SWING_RATE, SWING] = -(a * c * at + b * d * rate)
     q[BIAS, BIAS] = (tuning.bias_psd + gravity * tuning.leak_psd) * dt
     q[WHEEL_BIAS, WHEEL_BIAS] = tuning.bias_psd * dt
-    q[USUAL, USUAL] = tuning.usual_psd * dt
+    q[TRACTION, TRACTION] = tuning.traction_psd * dt
     q[CAMERA, CAMERA] = camera_psd * dt
     q[RADIUS, RADIUS] = q[LATE, LATE] = 1e-9 * dt
     q[ACROSS, ACROSS] = tuning.across_psd * dt

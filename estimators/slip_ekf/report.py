@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 from estimators.estimate import SLOW_MPS
-from estimators.kalman import Array, Record
+from estimators.kalman import Array, Record, slip_and_sd
 from estimators.layout import NO_GROUND_SPEED, STALE_S
+from estimators.slip_ekf import rows
 from estimators.slip_ekf.consensus import cost
 from estimators.slip_ekf.judge import felt
 from estimators.slip_ekf.layout import (
@@ -16,10 +17,10 @@ from estimators.slip_ekf.layout import (
     NO_FRONT,
     NO_IMU,
     NUMBER,
-    SWING,
+    SIZE,
     V,
-    W,
 )
+from estimators.slip_ekf.update import variance
 from estimators.slip_ekf.wheels import radius
 from twin.compute.compiled import array_law
 
@@ -30,25 +31,24 @@ AHEAD_S = 0.06
 
 
 @array_law
-def slip_variance(p: Array, ground: float, wheel: float, rim: float) -> float:
-    """Variance of (w - v) / max(|w|, |v|, 0.05 m/s) from that of v, w and the swing.
+def slip(x: Array, p: Array, rim: float, turned: float, h: Array) -> tuple[float, float, float]:
+    """Speed of the driven wheels over the ground [m/s], slip, and its sd.
 
-    d slip = -dv / w + v / w^2 dw   where the wheels are the faster,   -w / v^2 dv + dw / v   else
+    Args:
+        x, p: mean and covariance of the state.
+        rim: counted speed of the driven wheels, averaged [m/s].
+        turned: what the body's pitching adds to the wheels' speed [m/s].
+        h: room for a row, (SIZE,).
     """
-    if abs(wheel) >= abs(ground):
-        turning = math.copysign(max(abs(wheel), SLOW_MPS), wheel)
-        by_v, by_w = -1.0 / turning, ground / turning**2
-    else:
-        moving = math.copysign(max(abs(ground), SLOW_MPS), ground)
-        by_v, by_w = -wheel / moving**2, 1.0 / moving
-    by_s = by_w * rim
-    total = by_v**2 * p[V, V] + by_w**2 * p[W, W] + by_s**2 * p[SWING, SWING]
-    total += 2.0 * (by_v * by_w * p[V, W] + by_v * by_s * p[V, SWING] + by_w * by_s * p[W, SWING])
-    return float(max(total, 0.0))
+    wheel, covariance = rows.wheel_speed(x, rim, h) + turned, 0.0
+    for i in range(SIZE):
+        covariance += h[i] * p[i, V]
+    found, sd = slip_and_sd(wheel, x[V], variance(p, h, 0.0), p[V, V], covariance)
+    return wheel, found, sd
 
 
 @array_law
-def report(row: Record, signal: Record, nominal: Record, memory: Record) -> None:
+def report(row: Record, signal: Record, h: Array, nominal: Record, memory: Record) -> None:
     """Write the estimate of now; nothing before the first ground speed."""
     row.epoch_ns = memory.time_ns
     if not memory.known or (memory.time_ns - memory.measured_ns) * 1e-9 > STALE_S:
@@ -67,11 +67,10 @@ def report(row: Record, signal: Record, nominal: Record, memory: Record) -> None
     nodding = 0.0
     if memory.imu_ns >= 0 and 0.0 <= since_imu < 0.5:
         nodding = memory.pitch_rate + memory.pitch_accel * min(since_imu, AHEAD_S)
-    wheel = x[W] + memory.rim_mps * x[SWING] + radius(nominal, 1.0) * nodding
+    turned = radius(nominal, 1.0) * nodding
+    wheel, row.slip, sd = slip(x, p, memory.rim_mps, turned, h)
     fastest = max(abs(wheel), abs(x[V]), SLOW_MPS)
     row.speed_mps, row.wheel_speed_mps = x[V], wheel
-    row.slip = (wheel - x[V]) / fastest
-    sd = math.sqrt(slip_variance(p, x[V], wheel, memory.rim_mps))
     row.slip_sd = math.hypot(sd, 0.5 * _conflict(memory) / fastest)
     across = 0.5 * memory.yaw_rate * nominal.track_rear_m
     left, right = wheel - 0.5 * memory.apart_mps[0], wheel + 0.5 * memory.apart_mps[0]

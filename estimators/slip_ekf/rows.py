@@ -6,6 +6,7 @@ One function per kind of measurement, and none knows how the state moves.
 from __future__ import annotations
 
 from estimators.kalman import Array
+from estimators.slip_ekf.brixius import slip_of
 from estimators.slip_ekf.layout import (
     BIAS,
     CAMERA,
@@ -18,8 +19,9 @@ from estimators.slip_ekf.layout import (
     SWING,
     SWING_RATE,
     TOWED,
-    USUAL,
+    TRACTION,
     WHEEL_BIAS,
+    ZERO,
     A,
     V,
     W,
@@ -71,15 +73,11 @@ def towed(x: Array, age: float, front_turn: float, h: Array) -> float:
 def driven(x: Array, rim: float, age: float, h: Array) -> float:
     """Speed of the driven wheels as their nominal radius gives it, `age` ago.
 
-    (w + rim swing - age (r + rim swing')) (1 + radius)
+    w + rim swing - age (r + rim swing')
     """
     h[:] = 0.0
-    scale = 1.0 + x[RADIUS]
-    w = x[W] + rim * x[SWING] - age * (x[RATE] + rim * x[SWING_RATE])
-    h[W], h[RATE] = scale, -age * scale
-    h[SWING], h[SWING_RATE] = rim * scale, -age * rim * scale
-    h[RADIUS] = rim
-    return float(w * scale)
+    h[W], h[RATE], h[SWING], h[SWING_RATE] = 1.0, -age, rim, -age * rim
+    return float(x[W] + rim * x[SWING] - age * (x[RATE] + rim * x[SWING_RATE]))
 
 
 @array_law
@@ -102,22 +100,39 @@ def wheel_accel(x: Array, h: Array) -> float:
 
 
 @array_law
-def usual_slip(x: Array, by_load: float, rim: float, h: Array) -> float:
-    """How far the ground speed is off what the usual slip makes it [m/s].
+def expected(x: Array, by_load: float, rim: float, h: Array) -> float:
+    """How far the ground speed is off what the load makes it [m/s].
 
-    v - w (1 - usual - by_load)
+    v - w (1 - slip(traction + by_load))
+
+    The gradient by traction is that at the mean load: one that went with the load would let the lag
+    of v behind the load move the traction.
     """
     h[:] = 0.0
-    h[V], h[W], h[USUAL] = 1.0, -(1.0 - x[USUAL] - by_load), rim
-    return float(x[V] - x[W] * (1.0 - x[USUAL] - by_load))
+    slip, _ = slip_of(x[TRACTION] + by_load)
+    _, steep = slip_of(x[TRACTION])
+    h[V], h[W], h[TRACTION] = 1.0, slip - 1.0, rim * steep
+    return float(x[V] - x[W] * (1.0 - slip))
 
 
 @array_law
-def no_slip(x: Array, zero_slip: float, h: Array) -> float:
-    """By how much the driven wheels are off what a slip known beforehand makes them [m/s]."""
+def no_slip(x: Array, rim: float, h: Array) -> float:
+    """By how much the driven wheels turn more than the slip without load makes them [m/s].
+
+    w (1 - zero) - v (1 + radius)
+    """
     h[:] = 0.0
-    h[W], h[V] = 1.0 - zero_slip, -1.0
-    return float((1.0 - zero_slip) * x[W] - x[V])
+    h[W], h[V], h[RADIUS], h[ZERO] = 1.0 - x[ZERO], -1.0 - x[RADIUS], -rim, -rim
+    return float(x[W] * (1.0 - x[ZERO]) - x[V] * (1.0 + x[RADIUS]))
+
+
+@array_law
+def wheel_speed(x: Array, rim: float, h: Array) -> float:
+    """Speed of the driven wheels with their true radius: (w + rim swing) / (1 + radius)."""
+    h[:] = 0.0
+    scale = 1.0 / (1.0 + x[RADIUS])
+    h[W], h[SWING], h[RADIUS] = scale, rim * scale, -rim * scale
+    return float((x[W] + rim * x[SWING]) * scale)
 
 
 @array_law

@@ -20,8 +20,8 @@ from estimators.layout import OUT_OF_ORDER
 from estimators.slip_ekf import SLIP_EKF, SlipEkf, State, motion
 from estimators.slip_ekf.filter import advance, fading_s, measure
 from estimators.slip_ekf.held import USED, held
-from estimators.slip_ekf.layout import ACROSS, RADIUS, SIZE, SWING, V, W
-from estimators.slip_ekf.report import MOUNT_SD_RAD, slip_variance
+from estimators.slip_ekf.layout import ACROSS, SIZE, V
+from estimators.slip_ekf.report import MOUNT_SD_RAD, slip
 from twin.compute.compiled import array_law
 from twin.streams import Setup, Streams, Table
 
@@ -70,9 +70,9 @@ class SlipEkfSmooth:
         at = np.searchsorted(epoch_ns[:count], table["epoch_ns"])
         rim = given[at, RIM]
         # the body's pitching now, which is part of the estimate and not of the state
-        nodding = table["wheel_speed_mps"] - _rim_speed(mean[at], rim)
+        turned = table["wheel_speed_mps"] - _slips(mean[at], cov[at], rim, np.zeros(len(rim)))[0]
         _backward(count, tuning, before, before_cov, mean, cov, cut, given)
-        return after, _estimates(table, mean[at], cov[at], rim, nodding)
+        return after, _estimates(table, mean[at], cov[at], rim, np.nan_to_num(turned))
 
 
 @array_law
@@ -130,10 +130,9 @@ def _backward(
 
     G = P_k F^T (P-_k+1)^-1
 
-    Where a state began anew at k+1, nothing of it goes back, and nothing of the radius: what the
-    filter only considers has no optimal gain.
+    A state that began anew at k+1 stands apart from the others there: nothing of it goes back.
     """
-    f, x = np.zeros((SIZE, SIZE)), np.zeros(SIZE)
+    f, x, ahead = np.zeros((SIZE, SIZE)), np.zeros(SIZE), np.zeros((SIZE, SIZE))
     for k in range(n - 2, -1, -1):
         whole = 0
         for i in range(SIZE):
@@ -146,12 +145,17 @@ def _backward(
         # a covariance of lengths, speeds and ratios: scaled to ones on its diagonal
         scale = np.sqrt(np.maximum(np.diag(before_cov[k + 1]), 1e-18))
         scaled = before_cov[k + 1] / np.outer(scale, scale) + 1e-9 * np.eye(SIZE)
-        gain = np.linalg.solve(scaled, (f @ cov[k]) / scale.reshape(-1, 1)).T
+        ahead[:, :] = (f @ cov[k]) / scale.reshape(-1, 1)
+        for i in range(SIZE):
+            if cut[k + 1, i]:
+                scaled[i, :] = scaled[:, i] = ahead[i, :] = 0.0
+                scaled[i, i] = 1.0
+        gain = np.linalg.solve(scaled, ahead).T
         gain = np.ascontiguousarray(gain / scale.reshape(1, -1))
         moved = mean[k + 1] - before[k + 1]
         change = cov[k + 1] - before_cov[k + 1]
         for i in range(SIZE):
-            if cut[k + 1, i] or i == RADIUS:
+            if cut[k + 1, i]:
                 moved[i] = 0.0
                 change[i, :] = 0.0
                 change[:, i] = 0.0
@@ -160,25 +164,26 @@ def _backward(
         cov[k] = 0.5 * (smoothed + smoothed.T)
 
 
-def _rim_speed(mean: Array, rim: Array) -> Array:
-    """w + rim swing of each row [m/s]."""
-    return np.asarray(mean[:, W] + rim * mean[:, SWING])
+@array_law
+def _slips(mean: Array, cov: Array, rim: Array, turned: Array) -> Array:
+    """Speed of the driven wheels [m/s], slip and its sd of each row, (3, n); see `report.slip`."""
+    found, h = np.empty((3, len(mean))), np.zeros(SIZE)
+    for i in range(len(mean)):
+        found[0, i], found[1, i], found[2, i] = slip(mean[i], cov[i], rim[i], turned[i], h)
+    return found
 
 
-def _estimates(table: Table, mean: Array, cov: Array, rim: Array, nodding: Array) -> Table:
+def _estimates(table: Table, mean: Array, cov: Array, rim: Array, turned: Array) -> Table:
     """The filter's table with the smoothed values in their places.
 
     Args:
         table: the filter's.
         mean, cov, rim: smoothed state, its covariance, and the averaged rim speed of each row.
-        nodding: what pitching adds to the wheels' speed over the ground [m/s].
+        turned: what pitching adds to the wheels' speed over the ground [m/s].
     """
     known = np.isfinite(table["slip"])
-    speed, wheel = mean[:, V], _rim_speed(mean, rim) + np.nan_to_num(nodding)
-    variance = np.array(
-        [slip_variance(p, v, w, r) for p, v, w, r in zip(cov, speed, wheel, rim, strict=True)]
-    )
-    slip = (wheel - speed) / np.maximum(np.maximum(np.abs(wheel), np.abs(speed)), SLOW_MPS)
+    speed = mean[:, V]
+    wheel, slips, sd = _slips(mean, cov, rim, turned)
     v_y = mean[:, ACROSS]
     turning = table["v_y_mps"] - table["speed_mps"] * np.tan(table["sideslip_rear_rad"])
     v_y_cg = v_y + np.nan_to_num(turning)
@@ -187,8 +192,8 @@ def _estimates(table: Table, mean: Array, cov: Array, rim: Array, nodding: Array
     found = {
         "speed_mps": speed,
         "wheel_speed_mps": wheel,
-        "slip": slip,
-        "slip_sd": np.sqrt(variance),
+        "slip": slips,
+        "slip_sd": sd,
     }
     across = {
         "v_y_mps": v_y_cg,

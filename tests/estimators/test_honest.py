@@ -81,6 +81,14 @@ def test_ratio(estimator):
     assert_consistent(((table["slip"] - 0.2) / table["slip_sd"]) ** 2)
 
 
+def test_the_ratio_of_an_old_velocity_is_less_sure():
+    rng = np.random.default_rng(1)
+    stream = streams(rng, np.full(500, 1.6), None, np.full((500, 2), 2.0), 0.02, gnss_every=50)
+    _, table = RATIO.run(RATIO.init(SETUP), stream)
+    fresh, old = table["slip_sd"][400], table["slip_sd"][449]
+    assert old == pytest.approx(np.hypot(fresh, 0.3 * 0.98 / 2.0), rel=0.02)
+
+
 def test_four_state():
     psd, n = 0.5, 120
     estimator = FourState(

@@ -61,8 +61,10 @@ class Course:
     passes: int = 1
     """How often the field is crossed, up and down, with turns on the headlands between."""
     headland: str = "loop"
-    """How the machine turns between passes: loop, always ahead, or backing, with a quarter turn, a
-    way backwards, and a quarter turn."""
+    """How the machine turns between passes: loop, always ahead, or backing, with ways backwards
+    between parts of a half turn."""
+    backings: int = 1
+    """How often it backs up in a turn with backing."""
     road_m: float = 0.0
     """Length of the road to the field, before the approach, and back, after the last pass [m]; 0
     for a run that begins and ends in the field."""
@@ -87,6 +89,7 @@ class Course:
         check_range("course.passes", self.passes, 1, 1000)
         if self.headland not in HEADLANDS:
             raise UnknownName("course.headland", self.headland, HEADLANDS)
+        check_range("course.backings", self.backings, 1, 6)
         check_range("course.road_m", self.road_m, 0.0, 20000.0)
         if self.passes > 1 and self.approach_m < LEAST_APPROACH_M:
             raise OutOfRange(

@@ -98,27 +98,30 @@ def turn(start: Leg, width_m: float, side: int) -> list[Leg]:
     return out
 
 
-def backed_turn(start: Leg, width_m: float, side: int) -> list[Leg]:
-    """Legs from the end of a pass to the next line, backing up between two quarter turns.
+def backed_turn(start: Leg, width_m: float, side: int, backings: int = 1) -> list[Leg]:
+    """Legs from the end of a pass to the next line, backing up between the parts of a half turn.
 
-    A quarter turn of radius R towards the next line, straight back 2 R - w, and a quarter turn into
-    the line; it ends where it began along the field, a width w aside.
+    n ways backwards stand between n + 1 arcs of radius R and angle alpha. The turn ends where it
+    began along the field, a width w aside:
+
+        alpha = pi / (n + 1)        straight back (2 R - w) tan(alpha / 2) each
 
     Args:
         start: where the turn begins; its length is not looked at.
         width_m: distance of the next line, less than 2 RADIUS_M.
         side: +1 for a next line on the left, -1 on the right.
+        backings: n.
     """
-    quarter, bend = 0.5 * math.pi * RADIUS_M, side / RADIUS_M
+    angle, bend = math.pi / (backings + 1), side / RADIUS_M
+    back_m = (2.0 * RADIUS_M - width_m) * math.tan(0.5 * angle)
     out = [Leg(start.s_m, start.t_m, start.heading_rad, CLEAR_M)]
-    first = end_of(out[0])
-    out.append(Leg(first.s_m, first.t_m, first.heading_rad, quarter, bend))
-    across = end_of(out[1])
-    back_m = 2.0 * RADIUS_M - width_m
-    behind = across.heading_rad + math.pi
-    out.append(Leg(across.s_m, across.t_m, behind, back_m, back=True))
-    then = end_of(out[2])
-    out.append(Leg(then.s_m, then.t_m, across.heading_rad, quarter, bend))
+    for part in range(backings + 1):
+        heading = start.heading_rad + side * part * angle
+        begin = end_of(out[-1])
+        if part:
+            out.append(Leg(begin.s_m, begin.t_m, heading + math.pi, back_m, back=True))
+            begin = end_of(out[-1])
+        out.append(Leg(begin.s_m, begin.t_m, heading, RADIUS_M * angle, bend))
     return out
 
 

@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from twin.scenario import Event, Scenario
 from twin.simulation.cab import HALT_MPS2, STILL_MPS, Gears, Orders
 
@@ -14,6 +16,11 @@ DEAD_S = 20.0
 is given up: the machine cannot do it."""
 BACK_KMH = 5.0
 """Speed at which a driver backs up who is not told another for the headland [km/h]; assumed."""
+DECISION_S = 0.02
+"""Time between two decisions."""
+FOOT, FOOT_TAU_S = 25, 3.0
+"""What tells the foot's numbers from others of a seed, and the time it stays where it is [s];
+assumed."""
 FOOT_S = 0.3
 """Time that a driver allows for his foot to reach the brake [s]; assumed."""
 SLOWEST = 1.15
@@ -82,6 +89,8 @@ class Agenda:
     rate_kgps: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        self.box = self.scenario.gearbox
+        self.rng, self.foot_rpm = np.random.default_rng([self.scenario.seed, FOOT]), 0.0
         chains = list(_chains(self.scenario.events))
         self.coming = [chain for chain in chains if chain[0].when is None]
         self.waiting = [Waiting(c, c[0].times or 1) for c in chains if c[0].when is not None]
@@ -146,8 +155,7 @@ class Agenda:
         until_s = math.inf if event.for_s is None else now.time_s + event.for_s
         match event.do:
             case "throttle":
-                idle, top = self.gears.idle_rpm, self.gears.no_load_rpm
-                self.throttle = ((event.engine_rpm or idle) - idle) / (top - idle)
+                self.throttle = self.gears.throttle(event.engine_rpm or self.gears.idle_rpm)
             case "shift":
                 self.ratio = self._ratio_of(event)
             case "clutch":
@@ -174,7 +182,7 @@ class Agenda:
                 self.rate_kgps[tank] = event.rate_kgps or 5.0
 
     def _ratio_of(self, event: Event) -> float:
-        box = self.scenario.gearbox
+        box = self.box
         if event.gear is not None:
             return box.of_gear(event.gear, self.scenario.machine)
         if event.kmh is not None:
@@ -202,28 +210,38 @@ class Agenda:
     def _pace(self, now: Now) -> tuple[float, float]:
         """Ratio and throttle: those of work, or of the headland or the road."""
         driver = self.scenario.driver
-        throttle = self.throttle
         kmh = driver.road_kmh if now.on_road else None
+        rpm = driver.road_rpm if now.on_road else None
         if now.turning or self.back is not None:
             kmh = driver.headland_kmh
             if self.back is not None and kmh is None and driver.headland_rpm is None:
                 kmh = BACK_KMH
-            if driver.headland_rpm is not None:
-                idle, top = self.gears.idle_rpm, self.gears.no_load_rpm
-                throttle = (driver.headland_rpm - idle) / (top - idle)
+            rpm = driver.headland_rpm
+            if rpm is not None and driver.headland_rpm_sd > 0.0:
+                rpm = max(rpm + self._foot_rpm(), self.gears.idle_rpm)
+        throttle = self.throttle if rpm is None else self.gears.throttle(rpm)
         if kmh is None:
             return self.ratio, throttle
+        if rpm is not None:
+            return self.box.of_speed(kmh, rpm, self.gears.rim_m), throttle
         return self._paced(kmh, throttle)
+
+    def _foot_rpm(self) -> float:
+        """What the foot adds to the engine speed: a Gauss-Markov process.
+
+        x' = a x + sigma sqrt(1 - a**2) N(0, 1)        a = exp(-dt / 3 s)
+        """
+        kept = math.exp(-DECISION_S / FOOT_TAU_S)
+        noise = self.scenario.driver.headland_rpm_sd * math.sqrt(1.0 - kept * kept)
+        self.foot_rpm = kept * self.foot_rpm + noise * float(self.rng.standard_normal())
+        return self.foot_rpm
 
     def _paced(self, kmh: float, throttle: float) -> tuple[float, float]:
         """Ratio and throttle for a speed without slip: by the engine, else by the gear."""
         gears = self.gears
         per_rpm = math.pi / 30.0 * gears.rim_m * 3.6 / self.ratio
         least, most = SLOWEST * gears.idle_rpm, gears.set_rpm(throttle)
-        span = gears.no_load_rpm - gears.idle_rpm
         if least * per_rpm <= kmh <= most * per_rpm:
-            return self.ratio, (kmh / per_rpm - gears.idle_rpm) / span
-        wanted = (most if kmh > most * per_rpm else least) * math.pi / 30.0 * gears.rim_m
-        return self.scenario.gearbox.nearest(wanted / (kmh / 3.6)), (
-            throttle if kmh > most * per_rpm else (least - gears.idle_rpm) / span
-        )
+            return self.ratio, gears.throttle(kmh / per_rpm)
+        set_rpm = most if kmh > most * per_rpm else least
+        return self.box.of_speed(kmh, set_rpm, gears.rim_m), gears.throttle(set_rpm)

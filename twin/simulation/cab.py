@@ -14,7 +14,7 @@ from twin.simulation.controls import towards, within
 
 STILL_MPS = 0.05
 """Slower than this the machine stands."""
-THROTTLE_PER_S = 0.8
+THROTTLE_PER_S = 0.5
 """How fast the throttle is moved [1/s]; assumed."""
 PRESS_PER_S, FOOT_PER_S = 5.0, 3.0
 """How fast a clutch is opened and a brake pressed [1/s]; assumed."""
@@ -65,6 +65,8 @@ class Gears(NamedTuple):
     pedal_per_mps2: float
     """Brake pedal that slows the machine by 1 m/s2."""
     reaction_s: float
+    pause_s: float
+    """How long he stands where he changes the direction."""
     shifts: bool
     """Whether he shifts down where the engine lugs, and up again."""
 
@@ -76,6 +78,10 @@ class Gears(NamedTuple):
     def set_rpm(self, throttle: float) -> float:
         """No-load speed that a throttle asks for."""
         return self.idle_rpm + throttle * (self.no_load_rpm - self.idle_rpm)
+
+    def throttle(self, set_rpm: float) -> float:
+        """Throttle that asks for a no-load speed."""
+        return (set_rpm - self.idle_rpm) / (self.no_load_rpm - self.idle_rpm)
 
 
 class Orders(NamedTuple):
@@ -161,7 +167,7 @@ def _halted(gears: Gears, orders: Orders, last: Cab, felt: Felt, dt_s: float) ->
     throttle = towards(last.throttle, 0.0, THROTTLE_PER_S * dt_s)
     if last.standing:
         key = Key.OFF if orders.off else Key.RUN
-        ratio = math.copysign(last.ratio, orders.way)
+        ratio = last.ratio if last.busy_s > 0.0 else math.copysign(last.ratio, orders.way)
         return last._replace(throttle=throttle, brake=1.0, key=int(key), ratio=ratio)
     asked_mps = max(0.0, min(last.asked_mps, speed_mps + HALT_MPS2) - HALT_MPS2 * dt_s)
     pedal = HALT_MPS2 * gears.pedal_per_mps2 + HARDER_PER_MPS * (speed_mps - asked_mps)
@@ -174,8 +180,9 @@ def _halted(gears: Gears, orders: Orders, last: Cab, felt: Felt, dt_s: float) ->
     elif not gears.stalls and still:
         grip = 0.0  # a motor that stands is switched off
     standing = still and grip == 0.0
+    pause_s = gears.pause_s if standing else 0.0
     return last._replace(
-        throttle=throttle, brake=pedal, grip=grip, standing=standing, into=0.0,
+        busy_s=pause_s, throttle=throttle, brake=pedal, grip=grip, standing=standing, into=0.0,
         asked_mps=asked_mps,
     )  # fmt: skip
 

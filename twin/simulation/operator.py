@@ -52,6 +52,7 @@ class Operator:
             no_load_rpm=numbers["engine.no_load_rpm"],
             rim_m=numbers["tyre_rear.free_rolling_radius_m"],
             pedal_per_mps2=float(known["pedal_per_mps2"]), reaction_s=scenario.driver.reaction_s,
+            pause_s=scenario.driver.pause_s,
             shifts=scenario.driver.shifts,
         )  # fmt: skip
         self.driveline = Driveline(simulation)

@@ -71,9 +71,11 @@ class Passes:
         self.end_furrow(along_m)
         start = replace(line, s_m=line.s_m + way * along_m)
         aside_m = self.side * self.count * self.width_m
-        backs = self.machine.scenario.course.headland == "backing"
-        make = backed_turn if backs else turn
-        self.legs = deque(make(start, self.width_m, round(way) * self.side))
+        course, side = self.machine.scenario.course, round(way) * self.side
+        if course.headland == "backing":
+            self.legs = deque(backed_turn(start, self.width_m, side, course.backings))
+        else:
+            self.legs = deque(turn(start, self.width_m, side))
         self.count += 1
         self.legs.append(Leg(start.s_m + way * CLEAR_M, aside_m, 0.0 if way < 0.0 else math.pi))
         return False
