@@ -163,7 +163,7 @@ def test_where_north_is_does_not_matter():
     there = Streams({**here.tables, "gnss": gnss})
     for column in ("slip", "slip_sd", "sideslip_rad", "speed_mps"):
         first, second = estimated(here)[column], estimated(there)[column]
-        assert second == pytest.approx(first, abs=1e-5, nan_ok=True)  # one axis at a time
+        assert second == pytest.approx(first, abs=2e-4, nan_ok=True)  # one axis at a time
 
 
 def test_without_noise_speed_slip_and_sideslip_are_right():
