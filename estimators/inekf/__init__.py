@@ -26,11 +26,11 @@ SENSORS = ("gnss", "imu", "wheels")
 
 @dataclass(frozen=True, kw_only=True)
 class InvariantEkf:
-    """Attitude R, velocity v and slip velocity u in SE_2(3), beside the biases of the IMU.
+    """Attitude R, velocity v and slip velocity u in SE_2(3), beside biases of the IMU.
 
     R' = R (w - b_g)^,   v' = R (f - b_f) + g,   u' = R n_u                    (`motion`)
     driven wheels (w R, 0, 0) = R^T (v + u),   slip = (w R - v_x) / max(|w R|, |v_x|)
-    towed wheels v_x;  GNSS v + R (w x d), and the heading of its antennas     (`rows`)
+    towed wheels (1 + scale) v_x;  GNSS v + R (w x d), and the heading of its antennas     (`rows`)
 
     The error is X = Exp(xi) X^: it is the machine's own turning that turns v and u, so the law of
     the error does not depend on the attitude. The velocities are those of the inertial unit, so
@@ -57,7 +57,11 @@ class InvariantEkf:
     skid_sd_mps: float = 0.1
     """sd of the velocity across and upwards that v + u does not have [m/s]."""
     front_scale_sd: float = 0.02
-    """sd of the towed wheels' scale, from radius and skid, taken as white."""
+    """sd of the towed wheels' scale, from radius and skid."""
+    front_scale_psd_ps: float = 1e-7
+    """Density of its walk [1/s]: 0.25 points in a minute, as load and soil change."""
+    front_quick_sd: float = 0.005
+    """sd of its quick part, as the load changes, taken as white."""
 
     tunable: ClassVar[Mapping[str, str]] = {
         "accel_psd_m2ps3": "assumed",
@@ -65,7 +69,7 @@ class InvariantEkf:
         "slip_psd_m2ps3": "assumed",
         "skid_psd_m2ps3": "assumed",
         "skid_sd_mps": "assumed",
-        "front_scale_sd": "assumed",
+        "front_quick_sd": "assumed",
     }
     """What innovations may tell of, and the grade of what stands above."""
 

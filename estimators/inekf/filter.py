@@ -10,7 +10,15 @@ import numpy as np
 from estimators.estimate import SLOW_MPS, too_old
 from estimators.inekf import rows
 from estimators.inekf.group import attitude, left_jacobian, rotation, skew, times, turn, turn_back
-from estimators.inekf.layout import ACCEL_BIAS, ATTITUDE, GYRO_BIAS, SIZE, SLIP, VELOCITY
+from estimators.inekf.layout import (
+    ACCEL_BIAS,
+    ATTITUDE,
+    FRONT_SCALE,
+    GYRO_BIAS,
+    SIZE,
+    SLIP,
+    VELOCITY,
+)
 from estimators.inekf.motion import carry, push, rates
 from estimators.innovations import keep, note
 from estimators.kalman import Array, Record, correct, predict, slip_and_sd
@@ -94,7 +102,7 @@ def take(
         memory.imu_ns = signal.epoch_ns
         memory.gyro[:], memory.accel[:] = raw[:3], raw[3:6]
     elif signal.sensor == GNSS:
-        _take_gnss(signal.epoch_ns, raw, age, h, nominal, memory)
+        _take_gnss(signal.epoch_ns, raw, age, h, nominal, tuning, memory)
     elif signal.sensor == WHEELS:
         _take_wheels(signal, age, h, nominal, tuning, memory)
         return True
@@ -148,12 +156,14 @@ def _measure(h: Array, error: float, variance: float, memory: Record) -> None:
     for k in range(3):
         memory.gyro_bias[k] += xi[GYRO_BIAS + k]
         memory.accel_bias[k] += xi[ACCEL_BIAS + k]
+    memory.front_scale += xi[FRONT_SCALE]
 
 
 @compiled
 def _take_gnss(
-    epoch_ns: int, raw: Array, age: float, h: Array, nominal: Record, memory: Record
-) -> None:
+    epoch_ns: int, raw: Array, age: float, h: Array, nominal: Record, tuning: Record,
+    memory: Record,
+) -> None:  # fmt: skip
     """The antenna's velocity and the heading of the baseline, of `age` ago."""
     v_heading, quality = raw[3], raw[4]
     if math.isfinite(v_heading):
@@ -163,7 +173,7 @@ def _take_gnss(
         memory.gnss_ns = epoch_ns
     if not (memory.known and memory.placed):
         if moving:
-            _begin(raw, nominal, memory)
+            _begin(raw, nominal, tuning, memory)
         return
     if math.isfinite(v_heading):
         sd = raw[6] if raw[6] > 0.0 else nominal.heading_sd_rad
@@ -191,7 +201,7 @@ def _take_wheels(
     if not memory.known:
         waited_s = (signal.epoch_ns - max(memory.first_ns, memory.gnss_ns)) * 1e-9
         if waited_s > WAIT_S and math.isfinite(rear):
-            _begin_blind(rear, nominal, memory)
+            _begin_blind(rear, nominal, tuning, memory)
         return
     tau = age + signal.wheel_age_s.max()
     since = tau * turn_back(memory.world_from_body, push(nominal, memory))[0]
@@ -205,8 +215,8 @@ def _take_wheels(
         turning = nominal.wheelbase_m * rates(memory)[2]
         front = math.copysign(math.sqrt(max(front**2 - turning**2, 0.0)), front)
         variance = mean_variance(signal.wheel_sd_mps, nominal, 0.0, signal.one_towed_speed)
-        variance += (tuning.front_scale_sd * front) ** 2 + late_var
-        error = front + since - rows.along(0, False, nominal, memory, h)
+        variance += (tuning.front_quick_sd * front) ** 2 + late_var
+        error = front + since - rows.towed(nominal, memory, h)
         _measure(h, error, variance, memory)
     for axis in (1, 2):
         error = -rows.along(axis, True, nominal, memory, h)
@@ -217,7 +227,7 @@ def _take_wheels(
 
 
 @compiled
-def _begin(raw: Array, nominal: Record, memory: Record) -> None:
+def _begin(raw: Array, nominal: Record, tuning: Record, memory: Record) -> None:
     """Begin with GNSS: heading of the baseline, else the course while it moves."""
     if memory.heading_ns >= 0 and (memory.time_ns - memory.heading_ns) * 1e-9 < STALE_S:
         yaw, sd = memory.heading_rad - nominal.heading_mount_rad, TILT_SD_RAD
@@ -230,20 +240,22 @@ def _begin(raw: Array, nominal: Record, memory: Record) -> None:
     memory.placed = 1
     v = np.array([raw[0], raw[1], raw[2] if math.isfinite(raw[2]) else 0.0])
     sd_mps = max(raw[5] if raw[5] > 0.0 else nominal.velocity_sd_mps, 0.05)
-    _start(yaw, sd, v, sd_mps, nominal, memory)
+    _start(yaw, sd, v, sd_mps, nominal, tuning, memory)
 
 
 @compiled
-def _begin_blind(rear: float, nominal: Record, memory: Record) -> None:
+def _begin_blind(rear: float, nominal: Record, tuning: Record, memory: Record) -> None:
     """Begin without GNSS, as the paper's filter: the wheels' speed, heading nowhere."""
     memory.placed = 0
-    _start(0.0, COURSE_SD_RAD, np.array([rear, 0.0, 0.0]), FIRST_SD_MPS, nominal, memory)
+    v = np.array([rear, 0.0, 0.0])
+    _start(0.0, COURSE_SD_RAD, v, FIRST_SD_MPS, nominal, tuning, memory)
 
 
 @compiled
 def _start(
-    yaw: float, yaw_sd: float, v: Array, sd_mps: float, nominal: Record, memory: Record
-) -> None:
+    yaw: float, yaw_sd: float, v: Array, sd_mps: float, nominal: Record, tuning: Record,
+    memory: Record,
+) -> None:  # fmt: skip
     """The first state, its errors of attitude, velocities and biases independent of each other.
 
     nu = dv + v^ phi,   mu = du + u^ phi
@@ -258,7 +270,9 @@ def _start(
     memory.u[:] = 0.0
     memory.gyro_bias[:] = 0.0
     memory.accel_bias[:] = 0.0
+    memory.front_scale = 0.0
     memory.p[:, :] = 0.0
+    memory.p[FRONT_SCALE, FRONT_SCALE] = tuning.front_scale_sd**2
     turned, f = skew(v), np.eye(SIZE)
     for i in range(3):
         memory.p[ATTITUDE + i, ATTITUDE + i] = (yaw_sd if i == 2 else TILT_SD_RAD) ** 2

@@ -24,7 +24,10 @@ SMALL_RAD = 1e-6
 @compiled
 def skew(a: Array) -> Array:
     """The matrix of a x."""
-    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
+    out = np.zeros((3, 3))  # a list of lists is slow where it is compiled
+    out[2, 1], out[0, 2], out[1, 0] = a[0], a[1], a[2]
+    out[1, 2], out[2, 0], out[0, 1] = -a[0], -a[1], -a[2]
+    return out
 
 
 @compiled

@@ -6,8 +6,10 @@ import numpy as np
 
 from estimators.innovations import NOTES
 
-ATTITUDE, VELOCITY, SLIP, GYRO_BIAS, ACCEL_BIAS, SIZE = range(0, 18, 3)
-"""Where the parts of the error (phi, nu, mu, gyro bias, accelerometer bias) begin, and its size."""
+ATTITUDE, VELOCITY, SLIP, GYRO_BIAS, ACCEL_BIAS, FRONT_SCALE = range(0, 18, 3)
+"""Where the parts of the error begin: phi, nu, mu, gyro bias, accelerometer bias, and the relative
+error of the towed wheels' speed."""
+SIZE = FRONT_SCALE + 1
 
 TUNING = np.dtype(
     [
@@ -19,6 +21,8 @@ TUNING = np.dtype(
         ("gyro_bias_psd", "f8"),
         ("skid_sd", "f8"),
         ("front_scale_sd", "f8"),
+        ("front_scale_psd", "f8"),
+        ("front_quick_sd", "f8"),
     ],
     align=True,
 )
@@ -37,6 +41,7 @@ MEMORY = np.dtype(
         ("u", "f8", 3),
         ("gyro_bias", "f8", 3),
         ("accel_bias", "f8", 3),
+        ("front_scale", "f8"),
         ("p", "f8", (SIZE, SIZE)),
         ("gyro", "f8", 3),
         ("accel", "f8", 3),

@@ -1,6 +1,7 @@
 """How the state moves, and its error with it.
 
-    R' = R (w - b_g - n_g)^,   v' = R (f - b_f - n_f) + g,   u' = R n_u,   b_g', b_f' white
+    R' = R (w - b_g - n_g)^,   v' = R (f - b_f - n_f) + g,   u' = R n_u
+    b_g', b_f' and the rate of the towed wheels' scale are white
 
 With the error X = Exp(xi) X^ the model is group-affine but for the biases, so the error's own law
 does not depend on the attitude:
@@ -19,7 +20,15 @@ import math
 import numpy as np
 
 from estimators.inekf.group import rotation, skew, times, turn, turn_back
-from estimators.inekf.layout import ACCEL_BIAS, ATTITUDE, GYRO_BIAS, SIZE, SLIP, VELOCITY
+from estimators.inekf.layout import (
+    ACCEL_BIAS,
+    ATTITUDE,
+    FRONT_SCALE,
+    GYRO_BIAS,
+    SIZE,
+    SLIP,
+    VELOCITY,
+)
 from estimators.kalman import Array, Record, predict
 from estimators.layout import GRAVITY_MPS2
 from twin.compute.compiled import compiled
@@ -32,7 +41,9 @@ LEVEL_PSD, YAW_PSD, PUSH_PSD = 1e-5, 0.01, 0.1
 @compiled
 def gravity() -> Array:
     """Acceleration of free fall in the world [m/s2]."""
-    return np.array([0.0, 0.0, -GRAVITY_MPS2])
+    fall = np.zeros(3)
+    fall[2] = -GRAVITY_MPS2
+    return fall
 
 
 @compiled
@@ -95,7 +106,7 @@ def transition(error_law: Array, dt: float) -> Array:
 
 @compiled
 def law(nominal: Record, tuning: Record, memory: Record) -> tuple[Array, Array]:
-    """A of the error's law xi' = A xi + B n, (15, 15), and B times the root of n's density."""
+    """A of the error's law xi' = A xi + B n, and B times the root of n's density."""
     r = np.ascontiguousarray(memory.world_from_body)
     by_v, by_u = times(skew(memory.v), r), times(skew(memory.u), r)
     fall = skew(gravity())
@@ -115,6 +126,7 @@ def law(nominal: Record, tuning: Record, memory: Record) -> tuple[Array, Array]:
             b[SLIP + i, 6 + k] = r[i, k] * math.sqrt(tuning.skid_psd if k else tuning.slip_psd)
         b[GYRO_BIAS + i, 9 + i] = math.sqrt(tuning.gyro_bias_psd)
         b[ACCEL_BIAS + i, 12 + i] = math.sqrt(tuning.accel_bias_psd)
+    b[FRONT_SCALE, 15] = math.sqrt(tuning.front_scale_psd)
     return a, b
 
 

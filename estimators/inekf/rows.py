@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from estimators.inekf.group import skew, times, turn, turn_back
-from estimators.inekf.layout import ATTITUDE, GYRO_BIAS, SLIP, VELOCITY
+from estimators.inekf.layout import ATTITUDE, FRONT_SCALE, GYRO_BIAS, SLIP, VELOCITY
 from estimators.inekf.motion import rates
 from estimators.kalman import Array, Record
 from twin.compute.compiled import compiled
@@ -39,6 +39,16 @@ def along(axis: int, slipping: bool, nominal: Record, memory: Record, h: Array) 
 
 
 @compiled
+def towed(nominal: Record, memory: Record, h: Array) -> float:
+    """Speed of the towed wheels at the rear-axle centre [m/s]: (1 + scale) times `along`."""
+    speed = along(0, False, nominal, memory, h)
+    for k in range(len(h)):
+        h[k] *= 1.0 + memory.front_scale
+    h[FRONT_SCALE] = speed
+    return float((1.0 + memory.front_scale) * speed)
+
+
+@compiled
 def antenna(axis: int, nominal: Record, memory: Record, h: Array) -> float:
     """Velocity of the main antenna along a world axis [m/s].
 
@@ -61,11 +71,13 @@ def antenna(axis: int, nominal: Record, memory: Record, h: Array) -> float:
 def heading(nominal: Record, memory: Record, h: Array) -> float:
     """Direction of the antennas' baseline in the horizontal plane, from east [rad]."""
     mount = nominal.heading_mount_rad
-    baseline = turn(memory.world_from_body, np.array([math.cos(mount), math.sin(mount), 0.0]))
-    level = max(baseline[0] ** 2 + baseline[1] ** 2, 1e-6)
+    level = np.zeros(3)
+    level[0], level[1] = math.cos(mount), math.sin(mount)
+    baseline = turn(memory.world_from_body, level)
+    size = max(baseline[0] ** 2 + baseline[1] ** 2, 1e-6)
     h[:] = 0.0
-    h[ATTITUDE] = -baseline[0] * baseline[2] / level
-    h[ATTITUDE + 1] = -baseline[1] * baseline[2] / level
+    h[ATTITUDE] = -baseline[0] * baseline[2] / size
+    h[ATTITUDE + 1] = -baseline[1] * baseline[2] / size
     h[ATTITUDE + 2] = 1.0
     return math.atan2(baseline[1], baseline[0])
 
