@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.control import own
-from twin.control.controllers import BASELINES
+from twin.control.baselines import BASELINES
 from twin.control.own import AnyController, ControllerSetup
 from twin.control.torques import TORQUE_BASELINES
 from twin.env.many import ManyEnv
