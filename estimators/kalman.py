@@ -50,7 +50,7 @@ def predict(x: Array, p: Array, f: Array, q: Array) -> None:
 
 
 @compiled
-def update(x: Array, p: Array, h: Array, z: float, r: float) -> float:
+def correct(x: Array, p: Array, h: Array, z: float, r: float) -> tuple[float, float]:
     """Take one scalar measurement; a NaN is skipped.
 
     e = z - h x,   S = h P h^T + r,   K = P h^T / S
@@ -64,11 +64,11 @@ def update(x: Array, p: Array, h: Array, z: float, r: float) -> float:
         r: its variance.
 
     Returns:
-        Normalised innovation squared e^2 / S; NaN if the measurement was skipped.
+        Innovation e and its variance S; NaN if the measurement was skipped.
     """
     n = len(x)
     if not (math.isfinite(z) and math.isfinite(r)):
-        return np.nan
+        return np.nan, np.nan
     ph = np.zeros(n)
     innovation, variance = z, r
     for i in range(n):
@@ -77,11 +77,18 @@ def update(x: Array, p: Array, h: Array, z: float, r: float) -> float:
             ph[i] += p[i, j] * h[j]
         variance += h[i] * ph[i]
     if not variance > 0.0:
-        return np.nan
+        return np.nan, np.nan
     for i in range(n):
         x[i] += ph[i] * innovation / variance
         for j in range(n):
             p[i, j] -= ph[i] * ph[j] / variance
+    return innovation, variance
+
+
+@compiled
+def update(x: Array, p: Array, h: Array, z: float, r: float) -> float:
+    """`correct`, and the normalised innovation squared e^2 / S; NaN if there was none."""
+    innovation, variance = correct(x, p, h, z, r)
     return innovation * innovation / variance
 
 

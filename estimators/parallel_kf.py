@@ -11,14 +11,16 @@ One module, because the filters of this family differ in tuning alone.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from estimators.estimate import State, advance, begin, each_sample, too_old, write_axle
 from estimators.fusion import fuse
-from estimators.kalman import Record, predict, update
+from estimators.innovations import NOTES, each_innovation, innovations, note
+from estimators.kalman import Record, correct, predict
 from estimators.layout import (
     GNSS,
     IMU,
@@ -64,6 +66,7 @@ MEMORY = np.dtype(
         ("known", "i8", 3),
         ("x", "f8", (3, SIZE)),
         ("cov", "f8", (3, SIZE, SIZE)),
+        ("notes", NOTES),
     ],
     align=True,
 )
@@ -111,6 +114,16 @@ class ParallelKf:
     front_offset_psd_m2ps3: float = 0.0
     """Density of that offset's random walk [m2/s3]."""
 
+    tunable: ClassVar[Mapping[str, str]] = {
+        "process_var.1": "assumed",
+        "process_var.2": "assumed",
+        "accel_sd_mps2": "assumed",
+        "wheel_accel_sd_mps2": "assumed",
+        "bias_psd_m2ps5": "assumed",
+        "front_offset_psd_m2ps3": "assumed",
+    }
+    """What innovations may tell of, and the grade of what stands above."""
+
     def init(self, setup: Setup) -> State:
         """The state before the first sample."""
         tuning = np.zeros(1, TUNING)
@@ -138,6 +151,10 @@ class ParallelKf:
         of any sensor, gives no row.
         """
         return advance(_loop, state, chunk)
+
+    def innovations(self, setup: Setup, streams: Streams) -> Table:
+        """What each measurement is off what an observer foretells, and its variance."""
+        return innovations(_innovations, self.init(setup), streams)
 
 
 KF_Z2 = ParallelKf(observers=(("gnss",),), process_var=(1.0, 1.0, 1.0))
@@ -169,6 +186,13 @@ working speed off, by their radius and by their skid under motion resistance."""
 @compiled
 def _loop(signals: Any, nominal: Record, tuning: Record, memory: Record, rows: Any) -> int:
     return each_sample(_take, signals, nominal, tuning, memory, rows)
+
+
+@compiled
+def _innovations(
+    signals: Any, nominal: Record, tuning: Record, memory: Record, rows: Any, kept: Any
+) -> int:
+    return each_innovation(_take, signals, nominal, tuning, memory, rows, kept)
 
 
 @compiled
@@ -221,7 +245,7 @@ def _take_speed(
     if not memory.known[channel]:
         return 1
     h = np.array([1.0, -age, 0.5 * age * age, 0.0, of_front])
-    update(memory.x[channel], memory.cov[channel], h, speed, variance)
+    note(memory.notes, *correct(memory.x[channel], memory.cov[channel], h, speed, variance))
     return 0
 
 
@@ -245,7 +269,7 @@ def _take_accel(channel: int, accel: float, sd: float, memory: Record) -> None:
     """Measure a + b."""
     if memory.known[channel]:
         h = np.array([0.0, 1.0, 0.0, 1.0, 0.0])
-        update(memory.x[channel], memory.cov[channel], h, accel, sd**2)
+        note(memory.notes, *correct(memory.x[channel], memory.cov[channel], h, accel, sd**2))
 
 
 @compiled

@@ -93,6 +93,10 @@ BASES = {
         },
     ),
     "sensing": replaced(ROLLING, {"sensors": Sensors()}),
+    "stuck": replaced(
+        PLOUGHING,
+        {"plough.depth_m": 0.35, "soil.draft_scale": 2.0, "sensors.gnss": Gnss()},
+    ),
     "failing": replaced(
         ROLLING,
         {
@@ -247,6 +251,9 @@ WITNESSES: dict[str, dict[str, object]] = {
         "sensors.wheels.latency_s": 0.02, "sensors.wheels.latency_jitter_s": 0.002,
         "sensors.wheels.read_jitter_s": 1e-3,
         "sensors.wheels.radius_error": (0.1, 0.0, 0.0, 0.0), "sensors.wheels.radius_error_sd": 0.05,
+    },
+    "stuck": {
+        "sensors.gnss.rest_velocity_sd_mps": 0.01, "sensors.gnss.rest_velocity_tau_s": 5.0,
     },
     "failing": {
         "sensors.gnss.extrapolation_sd_mps": 0.5, "sensors.gnss.float_sd_m": 1.0,

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from twin.scenario import Soil as Soil
     from twin.sensors import Sensors as Sensors
     from twin.studies.study import study as study
+    from twin.tuning.tune import tune as tune
     from twin.vehicle import Implement as Implement
     from twin.vehicle import Machine as Machine
 
@@ -38,6 +39,7 @@ _HOME = {
     "run": "twin.pipeline.public",
     "estimate": "twin.pipeline.public",
     "study": "twin.studies.study",
+    "tune": "twin.tuning.tune",
     "Result": "twin.pipeline.result",
     "Estimator": "twin.pipeline.estimating",
     "Scenario": "twin.scenario",
@@ -56,6 +58,7 @@ _MODULES = ("errors", "testing")
 __all__ = [
     "Course", "Drive", "Estimator", "Field", "Implement", "Machine", "Plough", "Result", "Scenario",
     "Sensors", "Soil", "errors", "estimate", "load", "run", "study", "testing",
+    "tune",
 ]  # fmt: skip
 
 

@@ -98,4 +98,4 @@ def test_what_a_controller_sees_it_cannot_change():
         closing(PloughVectorEnv(num_envs=1)) as env,
         pytest.raises(BadInput, match=r"controller 'Shifts' writes .*test_controllers.py, line"),
     ):
-        drive(env, Shifts(), [3], 1.0)
+        drive(env, Shifts(), [3], 6.0)

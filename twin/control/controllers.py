@@ -14,7 +14,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.env.levers import DEEPEST_M, RAISED_M
+from twin.env.levers import DEEPEST_M, RAISED_M, Number
 
 Array = NDArray[np.float64]
 Seen = Mapping[str, Array]
@@ -37,6 +37,11 @@ class Controller(Protocol):
         """New state and actions (count, 2) in [-1, 1]; `period_s` is the control step [s]."""
 
 
+def hitch_action(depth_set_m: Number, deepest_m: float = DEEPEST_M) -> Number:
+    """Hitch action of a depth set point: [-0.10 m, deepest] maps linearly to [-1, 1]."""
+    return 2.0 * (depth_set_m - RAISED_M) / (deepest_m - RAISED_M) - 1.0
+
+
 def actions(throttle: Gain, depth_set_m: Array) -> Array:
     """Actions of `Plough-v0`, shape (count, 2), clipped to [-1, 1].
 
@@ -44,7 +49,7 @@ def actions(throttle: Gain, depth_set_m: Array) -> Array:
         throttle: throttle action, in [-1, 1] already; a number or an array (count,).
         depth_set_m: depth set point, (count,); [-0.10, 0.35] m maps linearly to [-1, 1].
     """
-    hitch = 2.0 * (depth_set_m - RAISED_M) / (DEEPEST_M - RAISED_M) - 1.0
+    hitch = hitch_action(depth_set_m)
     both = np.stack([np.broadcast_to(np.asarray(throttle), hitch.shape), hitch], axis=-1)
     return np.asarray(np.clip(both, -1.0, 1.0), dtype=np.float64)
 

@@ -10,10 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,7 +20,6 @@ from twin.control.fieldwork import FIELD_BASELINES
 from twin.control.torques import TORQUE_BASELINES
 from twin.control.traction import TRACTION_BASELINES
 from twin.env.reward import SLIP_LIMIT
-from twin.errors import BadInput
 
 Array = NDArray[np.float64]
 
@@ -174,7 +171,7 @@ def added(task: Task, actions: Array, raw: Array) -> Array:
 class Policy:
     """A model of stable-baselines3 that adds to a base every `DECISION_S`."""
 
-    model: mujoco.MjModel
+    model: Any
     task: Task
 
     def init(self, count: int) -> Memory:
@@ -190,35 +187,3 @@ class Policy:
             decided, _ = self.model.predict(features(self.task, seen, slow), deterministic=True)
             raw, wait_s = np.asarray(decided, dtype=np.float64), DECISION_S
         return Memory(base, slow, wait_s, raw), added(self.task, actions, raw)
-
-
-def load(file: Path, environment: str = "Plough-v0") -> Policy:
-    """A policy for an environment, saved by stable-baselines3, that sees its task's features.
-
-    Raises:
-        BadInput: stable-baselines3 is not installed, or the file is no such policy.
-    """
-    try:
-        import stable_baselines3
-    except ImportError:
-        raise BadInput(
-            f"--policy {file} needs stable-baselines3: pip install 'tractor-twin[rl]'"
-        ) from None
-    if not file.is_file():
-        raise BadInput(f"--policy {file}: there is no such file")
-    task = TASKS[environment]
-    algorithms: Mapping[str, Any] = {
-        n: getattr(stable_baselines3, n) for n in ("PPO", "SAC", "TD3", "A2C")
-    }
-    for algorithm in algorithms.values():
-        try:
-            model = algorithm.load(file, device="cpu")
-        except Exception:  # a file of another algorithm fails in a way of its own
-            continue
-        if model.observation_space.shape == (task.size,):
-            return Policy(model, task)
-        raise BadInput(
-            f"--policy {file}: sees {model.observation_space.shape}, not the {task.size} features "
-            f"of {environment} in twin.control.policy"
-        )
-    raise BadInput(f"--policy {file}: no policy of {', '.join(algorithms)}")

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.control.controllers import BASELINES, Controller
+from twin.control import own
+from twin.control.controllers import BASELINES
 from twin.control.fieldwork import FIELD_BASELINES
 from twin.control.judged import MEASURES
+from twin.control.own import AnyController, ControllerSetup
 from twin.control.torques import TORQUE_BASELINES
 from twin.control.traction import TRACTION_BASELINES
 from twin.env.many import ManyEnv
@@ -20,8 +23,7 @@ from twin.env.vector import (
     SlipLineVectorEnv,
     WheelSlipVectorEnv,
 )
-from twin.plugins.failing import failing
-from twin.streams import read_only
+from twin.errors import check_range
 
 Array = NDArray[np.float64]
 
@@ -38,12 +40,19 @@ ENVIRONMENTS: dict[str, tuple[Any, Any]] = {
 """Where controllers are compared: the environment and its baselines."""
 
 
+def setup(environment: str, observation: str) -> ControllerSetup:
+    """What controllers of an environment are told, by its id and what they observe."""
+    with closing(ENVIRONMENTS[environment][0](1, observation=observation)) as env:
+        return own.setup_of(env.episodes)
+
+
 def drive(
     env: ManyEnv,
-    controller: Controller,
+    controller: AnyController,
     seeds: Sequence[int],
     duration_s: float,
     progress: Callable[[float], None] = lambda share: None,
+    name: str | None = None,
 ) -> dict[str, Array]:
     """One episode of a controller on each ground.
 
@@ -52,26 +61,32 @@ def drive(
 
     Args:
         env: as many tractors as grounds; its observations are what the controller sees.
-        controller: what drives.
+        controller: what drives: of many tractors, or of one (`OwnController`).
         seeds: of the grounds.
-        duration_s: length of an episode.
+        duration_s: length of an episode, longer than the entry's 5 s.
         progress: called with the share done.
+        name: what messages call the controller; its class by default.
 
     Returns:
         The environment's `quantities`, each of shape (grounds,).
+
+    Raises:
+        BadInput: the controller fails, or gives what is not a state and finite actions.
+        OutOfRange: an episode that ends before the plough is in.
     """
+    check_range("duration_s", duration_s, ENTRY_S + env.episodes.fleet.period_s, 3600.0)
+    told, name = own.setup_of(env.episodes), name or type(controller).__name__
+    driver = own.of_many(controller, told, name)
     period_s = env.episodes.fleet.period_s
     steps, entry = round(duration_s / period_s), round(ENTRY_S / period_s)
     observation, _ = env.reset(seed=list(seeds))
-    state, alive = controller.init(env.num_envs), np.ones(env.num_envs, dtype=np.bool_)
+    state, alive = own.started(driver, env.num_envs, name), np.ones(env.num_envs, dtype=np.bool_)
     names = [entry_.name for entry_ in env.entries]
     measures, sums = MEASURES[env.episodes.fleet.machine.scenario.name], {}
     total = np.zeros(env.num_envs)
     for step in range(steps):
-        columns = read_only(observation.T.astype(np.float64))
-        with failing(f"controller '{type(controller).__name__}'", controller):
-            state, action = controller.act(state, dict(zip(names, columns, strict=True)), period_s)
-        observation, reward, stalled, _, info = env.step(action.astype(np.float32))
+        state, action = own.acted(driver, state, names, observation, told, name)
+        observation, reward, stalled, _, info = env.step(action)
         alive &= ~stalled
         total += np.where(alive, reward, 0.0)
         if step >= entry:

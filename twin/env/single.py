@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
+import gymnasium
 import numpy as np
 from gymnasium import Env
 from gymnasium.error import ResetNeeded
@@ -15,9 +17,25 @@ from twin.env.episodes import REWARD, Episodes, checked
 from twin.env.grounds import Options
 from twin.env.infos import Infos
 from twin.env.rendering import FPS, Look, Screen, screen
+from twin.errors import BadInput
 
 RENDER_MODES = ["rgb_array", "human"]
 Observation = NDArray[np.float32]
+OneEnv: TypeAlias = Env[Observation, NDArray[np.float32]]
+"""An environment of one tractor, in wrappers or not."""
+
+
+def made(env_id: str) -> OneEnv:
+    """A registered environment of one tractor, by its id."""
+    env: OneEnv = gymnasium.make(f"twin.env:{env_id}")
+    return env
+
+
+def episodes_of(env: OneEnv) -> Episodes:
+    """The episodes of an environment of one tractor. Raises BadInput for another's."""
+    if not isinstance(env.unwrapped, SingleEnv):
+        raise BadInput(f"{env} is no environment of one tractor of twin.env")
+    return env.unwrapped.episodes
 
 
 class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):

@@ -65,7 +65,7 @@ def _hitch(holds: Callable[[Plough], bool]) -> Met:
 
 
 def _mixed(scenario: Scenario) -> bool:
-    return scenario.field.soil_map is not None or scenario.field.other_share > 0.0
+    return scenario.field.mixed
 
 
 def _law_reads(*names: str) -> Met:
@@ -175,7 +175,10 @@ RULES = (
          ("sensors.gnss.extrapolation_sd_mps",)),
     Rule("an outage of kind mask", _outage("mask"), ("sensors.gnss.masked_velocity_factor",)),
     Rule("sensors.gnss.velocity_sd_mps above 0", _of("gnss", lambda g: g.velocity_sd_mps > 0.0),
-         ("sensors.gnss.masked_velocity_factor",)),
+         _under("sensors.gnss", "masked_velocity_factor rest_velocity_sd_mps rest_velocity_tau_s")),
+    Rule("sensors.gnss.rest_velocity_sd_mps above 0",
+         _of("gnss", lambda g: g.rest_velocity_sd_mps > 0.0),
+         ("sensors.gnss.rest_velocity_tau_s",)),
     Rule("an outage of kind mask or mask-aux", _outage("mask", "mask-aux"),
          ("sensors.gnss.satellites_masked",)),
     Rule("an error of position or velocity above 0",

@@ -95,7 +95,7 @@ def decide(
         pedal.held_mps2, pedal.pedal = foot.held_mps2, foot.pedal
         left, right = ackermann(new.steer_rad, task.wheelbase_m, task.track_m)
         controls[i, 0], controls[i, 1] = task.throttle, task.clutch_pedal
-        controls[i, 2] = foot.pedal if task.brakes else 0.0
+        controls[i, 2] = max(foot.pedal if task.brakes else 0.0, task.brake_pedal)
         controls[i, 3], controls[i, 4], controls[i, 5] = left, right, new.lift_rad
         controls[i, 6] = 1.0 if task.differential_lock and new.working else 0.0
         controls[i, 7] = 1.0 if task.front_drive else 0.0
