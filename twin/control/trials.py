@@ -83,7 +83,7 @@ def drive(
     state, alive = own.started(driver, env.num_envs, name), np.ones(env.num_envs, dtype=np.bool_)
     names = [entry_.name for entry_ in env.entries]
     measures = MEASURES[env.episodes.fleet.machine.scenario.name]
-    sums = {quantity: np.zeros(env.num_envs) for quantity in measures}
+    sums: dict[str, Array] = {quantity: np.zeros((1, env.num_envs)) for quantity in measures}
     total = np.zeros(env.num_envs)
     for step in range(steps):
         state, action = own.acted(driver, state, names, observation, told, name)
@@ -92,7 +92,7 @@ def drive(
         total += np.where(alive, reward, 0.0)
         if step >= entry:
             for quantity, measure in measures.items():
-                sums[quantity] += measure.sums(env.episodes, info, alive)
+                sums[quantity] = sums[quantity] + measure.sums(env.episodes, info, alive)
         progress((step + 1) / steps)
     found = {name: measure.of(sums[name], steps - entry) for name, measure in measures.items()}
     return {"reward": total / steps, **found, "stalled": np.where(alive, 0.0, 1.0)}
