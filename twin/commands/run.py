@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from twin.pipeline.estimating import Estimator
     from twin.pipeline.result import Result
     from twin.plugins.lookup import Thing
+    from twin.simulation.levers import Controlled
 
 DEFAULT_ESTIMATORS = ",".join(public.DEFAULT_ESTIMATORS)
 
@@ -36,6 +37,10 @@ class Options:
     between where they are given."""
     estimators: str = DEFAULT_ESTIMATORS
     """Estimators, separated by commas: names, or module:Name of your own."""
+    controller: str = ""
+    """Controller that sets throttle and hitch in work, in the driver's place: a name that `twin
+    compare-controllers` knows, module:Name of your own, or FILE.zip, a policy saved by
+    stable-baselines3."""
     figures: Path | None = None
     """Folder for the report's figures as SVG and PDF, one column (85 mm) wide."""
     frames: Path | None = None
@@ -87,16 +92,27 @@ def execute(
     _check_frames(scenario, options.frames)
     check_folder("figures", options.figures)
     estimators = load_estimators(options.estimators)
+    controlled = _controlled(options.controller)
     from twin.pipeline.run import run  # heavy, so only once the input is known to be good
 
     shown = not (options.quiet or options.json)
     with progress(scenario.name, shown=shown) as told, _pngs(options.frames) as frames:
-        result = run(scenario, estimators=estimators, progress=told, frames=frames)
+        result = run(
+            scenario, estimators=estimators, progress=told, frames=frames, controlled=controlled
+        )
         result.save(directory, command=command)
         if options.figures is not None:
             result.figures(options.figures)
     _say(result, directory, options)
     return result, directory
+
+
+def _controlled(controller: str) -> Controlled | None:
+    if not controller:
+        return None
+    from twin.control.on_machine import controlled_by
+
+    return controlled_by(controller)
 
 
 def _called(scenario: Thing, named: Collection[str]) -> str:

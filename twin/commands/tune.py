@@ -21,7 +21,15 @@ from twin.errors import BadInput
 
 if TYPE_CHECKING:
     from twin.tuning.held_out import Gain
-    from twin.tuning.tune import Tuning, Value
+    from twin.tuning.result import Tuning, Value
+
+
+LEFT = {
+    "not confirmed": "as the held-out part does not confirm another value",
+    "no difference told": "as the log tells no other value",
+    "flat": "as the log tells nothing of them",
+}
+"""Why a noise is not changed -> the words for it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,7 +71,8 @@ def main(args: Sequence[str]) -> int:
         raise BadInput(f"{out} exists and twin tune did not write it; name another with --out")
     check_files(out=out)
     estimators = load_estimators(options.estimators)
-    from twin.tuning.tune import tune, write
+    from twin.tuning.result import write
+    from twin.tuning.tune import tune
 
     with counting("tuning", "estimators", shown=not (options.quiet or options.json)) as told:
         found = tune(
@@ -86,10 +95,10 @@ def _print(tuning: Tuning) -> None:
         f"held out {tuning.held_out_s:.0f} s"
     )
     _print_values([value for value in tuning.values if value.why.startswith("tuned")])
-    for why, words in (("no difference told", "no difference told"), ("flat", "not told")):
+    for why, words in LEFT.items():
         left = [value.name for value in tuning.values if value.why == why]
         if left:
-            say(f"left as they are, {words} by this log: {', '.join(left)}", indent=2)
+            say(f"left as they are, {words}: {', '.join(left)}", indent=2)
     print_table([
         Column(heading="on the held-out part", cells=[g.quantity for g in tuning.gains], text=True),
         Column(heading="before", cells=[f"{g.before:.4g}" for g in tuning.gains]),
@@ -99,8 +108,8 @@ def _print(tuning: Tuning) -> None:
         Column(heading="95 %", cells=[_interval(g) for g in tuning.gains], rank=1),
         Column(heading="", cells=[g.verdict for g in tuning.gains], text=True),
     ])  # fmt: skip
-    if tuning.verdict != "better":
-        say(f"{tuning.estimator}: {tuning.verdict} on the held-out part; nothing is changed")
+    if tuning.kept == "nothing":
+        say(f"{tuning.estimator}: nothing is changed")
 
 
 def _print_values(values: Sequence[Value]) -> None:

@@ -15,6 +15,7 @@ from twin import sensors
 from twin.camera import tracking
 from twin.camera.frames import DrawnFrames
 from twin.camera.tracking import Tracker
+from twin.errors import BadInput
 from twin.io.spool import Spool
 from twin.machine.build import Machine
 from twin.machine.geometry import geometry
@@ -30,6 +31,7 @@ from twin.simulation import calibration
 from twin.simulation.build import build
 from twin.simulation.course_task import asked_mps
 from twin.simulation.driver import full_depth_m
+from twin.simulation.levers import Controlled, SetLevers
 from twin.simulation.notes import notes, unheld
 from twin.simulation.operator import operated
 from twin.streams import Frames, Setup, Streams, Table, concatenate
@@ -48,6 +50,7 @@ def run(
     estimators: Mapping[str, Estimator],
     progress: Progress | None = None,
     frames: Path | None = None,
+    controlled: Controlled | None = None,
 ) -> Result:
     """Drive a scenario, sense it, and estimate from what was sensed.
 
@@ -56,6 +59,7 @@ def run(
         estimators: by name; each sees the set-up and the streams, nothing else.
         progress: told how far it is.
         frames: folder where the camera's frames are saved as PNG.
+        controlled: who sets throttle and hitch in work, in the driver's place.
 
     Raises:
         BadInput: a field is set that the run would not read, or the signals fail; says which and
@@ -70,13 +74,23 @@ def run(
         machine = build(scenario)
         nominal = geometry(machine)
         setup = sensors.setup(scenario.sensors, nominal)
-        streams, true, kept, ends = sense(machine, nominal.driven, progress or _silent, frames)
+        set_levers = None if controlled is None else controlled.start(machine)
+        streams, true, kept, ends = sense(
+            machine, nominal.driven, progress or _silent, frames, set_levers
+        )
         *before, end = ends
         said = notes(machine)
-        if not operated(scenario):  # else gears and throttle change on the way
+        if controlled is not None:
+            said += (f"throttle and hitch in work were set by controller '{controlled.name}'",)
+        elif not operated(scenario):  # else gears and throttle change on the way
             said += unheld(asked_mps(machine), true)
         said += tuple(f"calibration: {leg}" for leg in before if not leg.as_planned)
     else:
+        if controlled is not None:
+            raise BadInput(
+                f"controller '{controlled.name}': scenario '{scenario.name}' has signals alone, "
+                "and no machine to drive"
+            )
         setup, streams, true = _measured(scenario)
         odd = percent_note("slip of the truth", true, streams)
         said = () if odd is None else (odd,)
@@ -112,6 +126,7 @@ def sense(
     driven: tuple[str, ...],
     progress: Progress,
     frames: Path | None = None,
+    set_levers: SetLevers | None = None,
 ) -> tuple[Streams, Table, Frames | None, list[End]]:
     """Drive a machine, after its calibration.
 
@@ -120,13 +135,14 @@ def sense(
         driven: its driven wheels.
         progress: told how far it is.
         frames: folder where the camera's frames are saved as PNG.
+        set_levers: sets throttle and hitch in work, in the driver's place.
 
     Returns:
         What its sensors gave, the truth of the run, a few of its camera's frames, and how each
         leg of the calibration and, last, the run ended.
     """
     scenario = machine.scenario
-    recording, run_chunks = calibration.run_chunks(machine)
+    recording, run_chunks = calibration.run_chunks(machine, set_levers)
     fitted = sensors.faults_from(scenario.sensors, recording.start_ns * 1e-9)
     state = sensors.init(fitted, scenario.seed)
     tracker = _tracker(fitted, machine, frames)

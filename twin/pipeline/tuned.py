@@ -152,7 +152,9 @@ def _noises(where: str, part: Plain) -> Noises:
     for kind, numbers in part.items():
         if kind not in kinds:
             raise UnknownName(f"table of {where}", kind, kinds)
-        for key, value in numbers.items() if isinstance(numbers, Mapping) else [(kind, numbers)]:
+        if not isinstance(numbers, Mapping):
+            raise BadInput(f"{where}: {kind} = {numbers} is no table of numbers")
+        for key, value in numbers.items():
             number = isinstance(value, int | float) and not isinstance(value, bool)
             if not (number and math.isfinite(value) and value > 0.0):
                 raise BadInput(f"{where}: {key} = {value} is no number above 0")

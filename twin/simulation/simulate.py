@@ -14,6 +14,7 @@ from twin.scenario.route import LOWERING_M, Leg
 from twin.simulation.columns import Record, Recorder
 from twin.simulation.driver import HitchControl, Observation, full_depth_m
 from twin.simulation.ends import EndMonitor, Progress
+from twin.simulation.levers import SetLevers
 from twin.simulation.operator import Operator, Way, operated
 from twin.simulation.passes import Passes
 from twin.simulation.quiet import quiet
@@ -28,9 +29,12 @@ CHUNK_DECISIONS = 50
 class CourseRun:
     """One machine on its scenario's course: its passes, and how the drive ends."""
 
-    def __init__(self, machine: Machine) -> None:
-        self.machine = machine
+    def __init__(self, machine: Machine, set_levers: SetLevers | None = None) -> None:
+        self.machine, self.set_levers = machine, set_levers
         self.simulation = Simulation(machine)
+        self.drivers_own: dict[str, float] = {}
+        """What the task says where a controller does not set the levers."""
+        self.last: Record | None = None
         task = self.simulation.tasks[0]
         self.ploughs = bool(task["hitch"] != HitchControl.RAISED)
         least_m, plough = machine.scenario.shallowest_m, machine.scenario.plough
@@ -85,9 +89,12 @@ class CourseRun:
         if self.seen_from is not self.passes.legs[0]:  # else `end` has just looked
             self.observe()
         self.seen_from = None
+        for name, value in self.drivers_own.items():
+            self.simulation.tasks[0][name] = value
         if self.operator is not None:
             seen = Observation(*self.simulation.seen[0].item())
             self.operator.decide(seen, self.way())
+        self._set_levers()
         self.simulation.decide()
         entry = np.array(self.simulation.qvel[:, None])
         record = self.simulation.run()
@@ -100,7 +107,25 @@ class CourseRun:
             record["power_mass_w"][0, 0] = 0.0 - brought_w
         record["phase"] = np.full(shape, float(self.phase()))
         record["gear_ratio"] = np.full(shape, float(self.simulation.drivetrain["gear_ratio"][0]))
+        self.last = record
         return record
+
+    def _set_levers(self) -> None:
+        """Let a controller set throttle and hitch for the next decision, where it does."""
+        if self.set_levers is None:
+            return
+        seen, task = self.simulation.seen[0], self.simulation.tasks[0]
+        past = seen["along_m"] >= self.machine.scenario.course.approach_m
+        pauses = self.operator is not None and (self.operator.pauses or bool(task["lifted"]))
+        works = bool(past and not seen["turning"] and not pauses)
+        levers = self.set_levers(self.simulation, self.last, works)
+        self.drivers_own = {}
+        if levers is not None:
+            set_to = {"throttle": levers.throttle, "work_rad": levers.lift_rad,
+                      "hitch": HitchControl.SET}  # fmt: skip
+            self.drivers_own = {name: task[name] for name in set_to}
+            for name, value in set_to.items():
+                task[name] = value
 
     def way(self) -> Way:
         """Where on its way the machine is."""
@@ -211,18 +236,21 @@ class CourseRun:
         return max(max(ends) + half_m, half_m - min(ends)) >= edge_m
 
 
-def simulate(machine: Machine, chunk_decisions: int = CHUNK_DECISIONS) -> Iterator[Trajectory]:
+def simulate(
+    machine: Machine, chunk_decisions: int = CHUNK_DECISIONS, set_levers: SetLevers | None = None
+) -> Iterator[Trajectory]:
     """Drive the scenario's course; trajectories of about a second each, contiguous.
 
     The last says how the drive ended: at the end of the course, or early (`twin.simulation.ends`)
     where the tractor has rolled over, left its line, got stuck on spinning wheels, slid away on
     skidding ones, run away with an engine far above its no-load speed, or stalled: gained less
-    than 0.25 m along a leg of the course in 5 s, whether it stands, rocks or slides.
+    than 0.25 m along a leg of the course in 5 s, whether it stands, rocks or slides. A controller
+    may set throttle and hitch in the driver's place.
 
     Raises:
         Diverged: a state is not finite, or MuJoCo warned.
     """
-    run, recorder, end = CourseRun(machine), Recorder(machine), None
+    run, recorder, end = CourseRun(machine, set_levers), Recorder(machine), None
     while end is None:
         records: list[Record] = []
         with quiet():

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from twin.pipeline.estimating import Estimator, all_estimates
 from twin.scores import hidden
 from twin.scores.scores import at
 from twin.streams import Setup, Streams, Table
+from twin.tuning.stages import RECEIVER, total
 
 Array = NDArray[np.float64]
 
@@ -41,6 +42,8 @@ class Gain:
     n: int
     """Pairs."""
     more_is_better: bool = False
+    decides: bool = True
+    """Whether the verdict hangs on it; a reference, which few logs have, decides nothing."""
 
     @property
     def verdict(self) -> str:
@@ -50,16 +53,17 @@ class Gain:
         return "better" if (self.low > 0.0) == self.more_is_better else "worse"
 
 
-def density_gain(before: Array, after: Array, n: Array) -> Gain:
+def density_gain(quantity: str, before: Array, after: Array, n: Array) -> Gain:
     """The gain of log density per measurement.
 
     Args:
+        quantity: what it is called.
         before, after: sums of each block.
         n: innovations in each block.
     """
     step = mean((after - before) / n)
     return Gain(
-        quantity="log density of a measurement", unit="1",
+        quantity=quantity, unit="1",
         before=float(np.mean(before / n)), after=float(np.mean(after / n)),
         change=step.mean, low=step.low, high=step.high, n=step.n, more_is_better=True,
     )  # fmt: skip
@@ -84,56 +88,86 @@ def rms_gain(quantity: str, unit: str, before: Array, after: Array) -> Gain | No
     )  # fmt: skip
 
 
-def foretold(
-    pair: Mapping[str, Estimator], setup: Setup, streams: Streams, from_ns: int
-) -> Gain | None:
-    """The error of the speed foretold while GNSS is hidden, at places after an instant.
-
-    Args:
-        pair: the estimator BEFORE and AFTER.
-        setup, streams: the whole log.
-        from_ns: where the held-out part begins.
-    """
-    if "gnss" not in streams:
-        return None
-    squares: dict[str, list[Array]] = {BEFORE: [], AFTER: []}
-    for starts in hidden.passes(setup, streams, HIDDEN_S):
-        late = starts[starts >= from_ns]
-        if not len(late):
-            continue
-        seen = hidden.without_gnss(streams, late, HIDDEN_S)
-        for name, table in all_estimates(pair, setup, seen).tables.items():
-            speed, _, _ = hidden.errors(setup, streams, table, late, HIDDEN_S)
-            squares[name].append(speed**2)
-    if not squares[BEFORE]:
-        return None
-    what = f"speed foretold {HIDDEN_S:g} s without GNSS"
-    return rms_gain(what, "m/s", *(np.concatenate(squares[n]) for n in (BEFORE, AFTER)))
+def verdict(gains: Iterable[Gain]) -> str:
+    """`better` where the log density is, and nothing that tells of the speed is worse."""
+    density, *others = (gain.verdict for gain in gains if gain.decides)
+    return "worse" if "worse" in others else density
 
 
-def of_reference(
-    pair: Mapping[str, Estimator], setup: Setup, streams: Streams, reference: Table,
-    edges_ns: NDArray[np.int64],
-) -> Iterable[Gain]:  # fmt: skip
-    """The errors against a log's own reference, by blocks of time."""
-    told = {c: u for c, u in REFERENCES.items() if c in reference}
-    if not told:
-        return
-    tables = all_estimates(pair, setup, streams).tables
-    epoch_ns = reference["epoch_ns"]
-    block = np.searchsorted(edges_ns, epoch_ns, side="right") - 1
-    for column, unit in told.items():
-        squares = []
-        for name in (BEFORE, AFTER):
-            known = column in tables[name]
-            own = at(tables[name], column, epoch_ns) if known else np.full(len(epoch_ns), np.nan)
-            squares.append((own - reference[column]) ** 2)
-        both = np.isfinite(squares[0]) & np.isfinite(squares[1])
-        both &= (block >= 0) & (block < len(edges_ns) - 1)
-        if not both.any():
-            continue
-        n = np.bincount(block[both], minlength=len(edges_ns) - 1)
-        sums = [np.bincount(block[both], s[both], len(edges_ns) - 1)[n > 0] for s in squares]
-        gain = rms_gain(column, unit, *(s / n[n > 0] for s in sums))
-        if gain is not None:
-            yield gain
+@dataclass(frozen=True)
+class HeldOut:
+    """The part of a log that decides."""
+
+    setup: Setup
+    streams: Streams
+    """The whole log."""
+    reference: Table
+    """May be empty."""
+    edges_ns: NDArray[np.int64]
+    """Where the part's blocks begin, and the last one ends."""
+    innovations: Table
+    """Of the estimator before; their numbers by block are what sums are divided by."""
+
+    def densities(self, before: Mapping[str, Array], after: Mapping[str, Array]) -> Iterator[Gain]:
+        """The gain of density of all innovations, and of the receiver's alone.
+
+        Args:
+            before, after: sensor -> sums by block.
+        """
+        epoch_ns, sensor = self.innovations["epoch_ns"], self.innovations["sensor"]
+        n = np.histogram(epoch_ns, self.edges_ns)[0]
+        yield density_gain("log density of a measurement", total(before), total(after), n)
+        if RECEIVER in before and RECEIVER in after:
+            n = np.histogram(epoch_ns[sensor == RECEIVER], self.edges_ns)[0]
+            if n.all():
+                what = "the same of GNSS speed"
+                yield density_gain(what, before[RECEIVER], after[RECEIVER], n)
+
+    def errors(self, before: Estimator, after: Estimator) -> Iterator[Gain]:
+        """The gain of the speed foretold without GNSS, and against a reference."""
+        pair = {BEFORE: before, AFTER: after}
+        ahead = self._foretold(pair)
+        if ahead is not None:
+            yield ahead
+        yield from self._of_reference(pair)
+
+    def _foretold(self, pair: Mapping[str, Estimator]) -> Gain | None:
+        """The error of the speed foretold while GNSS is hidden."""
+        if "gnss" not in self.streams:
+            return None
+        squares: dict[str, list[Array]] = {BEFORE: [], AFTER: []}
+        for starts in hidden.passes(self.setup, self.streams, HIDDEN_S):
+            late = starts[starts >= self.edges_ns[0]]
+            if not len(late):
+                continue
+            seen = hidden.without_gnss(self.streams, late, HIDDEN_S)
+            for name, table in all_estimates(pair, self.setup, seen).tables.items():
+                speed, _, _ = hidden.errors(self.setup, self.streams, table, late, HIDDEN_S)
+                squares[name].append(speed**2)
+        if not squares[BEFORE]:
+            return None
+        what = f"speed foretold {HIDDEN_S:g} s without GNSS"
+        return rms_gain(what, "m/s", *(np.concatenate(squares[n]) for n in (BEFORE, AFTER)))
+
+    def _of_reference(self, pair: Mapping[str, Estimator]) -> Iterator[Gain]:
+        """The errors against the log's own reference, by blocks of time."""
+        told = {c: u for c, u in REFERENCES.items() if c in self.reference}
+        if not told:
+            return
+        tables = all_estimates(pair, self.setup, self.streams).tables
+        epoch_ns, blocks = self.reference["epoch_ns"], len(self.edges_ns) - 1
+        block = np.searchsorted(self.edges_ns, epoch_ns, side="right") - 1
+        for column, unit in told.items():
+            if not all(column in table for table in tables.values()):
+                continue
+            squares = [
+                (at(tables[name], column, epoch_ns) - self.reference[column]) ** 2
+                for name in (BEFORE, AFTER)
+            ]
+            both = np.isfinite(squares[0]) & np.isfinite(squares[1])
+            both &= (block >= 0) & (block < blocks)
+            n = np.bincount(block[both], minlength=blocks)
+            means = [np.bincount(block[both], s[both], blocks)[n > 0] / n[n > 0] for s in squares]
+            gain = rms_gain(f"{column} against the reference", unit, *means)
+            if gain is not None:
+                yield replace(gain, decides=False)

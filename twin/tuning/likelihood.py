@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 OUTLIER_SHARE, OUTLIER_SD = 0.01, 10.0
 """Share of measurements that are taken to be something else, and how much wider these spread."""
-COLUMNS = ("epoch_ns", "innovation", "variance")
+COLUMNS = ("epoch_ns", "sensor", "innovation", "variance")
 
 
 def innovations(name: str, estimator: Any, setup: Setup, streams: Streams) -> Table:
@@ -57,21 +57,25 @@ def log_density(innovation: Array, variance: Array) -> Array:
     return np.asarray(np.logaddexp(regular, wide) - 0.5 * np.log(2.0 * np.pi * variance))
 
 
-def in_blocks(table: Table, edges_ns: NDArray[np.int64]) -> Array:
-    """Sum of the log densities of the innovations in each block of time.
+def in_blocks(table: Table, edges_ns: NDArray[np.int64]) -> dict[str, Array]:
+    """Sum of the log densities of each sensor's innovations in each block of time.
 
     Args:
         table: innovations.
         edges_ns: where blocks begin and the last one ends, (n + 1,).
 
     Returns:
-        Sums, (n,); a filter that is not finite is infinitely unlikely.
+        Sensor -> sums, (n,); a filter that is not finite is infinitely unlikely.
     """
     block = np.searchsorted(edges_ns, table["epoch_ns"], side="right") - 1
     inside = (block >= 0) & (block < len(edges_ns) - 1)
-    density = log_density(table["innovation"][inside], table["variance"][inside])
+    density = log_density(table["innovation"], table["variance"])
     density = np.where(np.isfinite(density), density, -np.inf)
-    return np.bincount(block[inside], density, len(edges_ns) - 1).astype(np.float64)
+    sums = {}
+    for sensor in np.unique(table["sensor"]):
+        own = inside & (table["sensor"] == sensor)
+        sums[str(sensor)] = np.bincount(block[own], density[own], len(edges_ns) - 1).astype(float)
+    return sums
 
 
 def while_driving(table: Table, setup: Setup, streams: Streams) -> Table:

@@ -4,9 +4,11 @@
 
 x are logarithms of factors on what is assumed now, l_b the log density of the innovations in block
 b. Innovations of a filter whose model is not exact are not independent, so nothing is concluded
-from the curvature of l alone:
+from the curvature of l alone. A noise is moved if it is more than two sd away by
 
-    cov x = H^-1 J H^-1,   H = -Hessian,   J = n cov_b(dl_b / dx)
+    cov x = H^-1 J H^-1,   H = -Hessian,   J = n cov_b(dl_b / dx) + diag(1 / prior^2)
+
+and, where that is asked for, if the blocks, paired, are likelier with what is moved than without.
 
 Source: Schweppe (1965), IEEE Trans. Inf. Theory 11, 61 (likelihood of innovations); White (1982),
 Econometrica 50, 1, eq. (3.2) (covariance where the model is wrong).
@@ -32,62 +34,84 @@ STEP = 0.1
 TELLS = 2.0
 """Least change of the log density, over a factor of three either way, for a log to tell a noise."""
 SPREAD = float(np.log(3.0))
+SURE_SD = 2.0
+"""A noise is moved if it is so many sd away."""
+LEAST = float(np.log(1.1))
+"""A noise that is right within a tenth stays."""
 ENOUGH = 0.05
 """The search ends where a step gains less log density than this."""
 MOST_ITERATIONS = 25
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
+class Prior:
+    """What is known of each noise before the log is seen: its logarithm is N(0, sd^2), bounded."""
+
+    sd: Array
+    bound: Array
+
+
+@dataclass(frozen=True, kw_only=True)
 class Found:
-    """Logarithms of factors, (k,), and which of them may differ from 0; NaN sd is not known."""
+    """Logarithms of factors, (k,), and what is known of each."""
 
     x: Array
     sd: Array
+    """NaN where it was not moved, or the likelihood is not curved there."""
     flat: NDArray[np.bool_]
-    """The likelihood hardly depends on it."""
-    starts: tuple[float, ...]
+    """The likelihood hardly depends on it, or it was not asked for."""
+    starts: tuple[float, ...] = ()
     """Log density that each search reached, with the prior's."""
 
 
-def search(score: Score, prior_sd: Array, bound: Array, seed: int = 0) -> Found:
-    """The likeliest noises, as far as a log tells them; the others stay at 0.
+def search(
+    score: Score, prior: Prior, asked: NDArray[np.bool_], before: Array, *, paired: bool, seed: int
+) -> Found:
+    """The likeliest noises, as far as a log tells them; the others stay where they are.
 
     Args:
         score: log densities by block.
-        prior_sd: sd of each logarithm before the log is seen, (k,).
-        bound: the most by which each may be off, (k,).
+        prior: of all noises.
+        asked: which may be moved, (k,).
+        before: where they are, (k,).
+        paired: whether the blocks, as pairs, have to be likelier.
         seed: of the points where searches begin.
     """
-    flat = _flat(score, bound)
+    flat = ~asked | ~changes(score, prior, asked, before, TELLS)
     free = np.flatnonzero(~flat)
-    x, sd = np.zeros(len(bound)), np.full(len(bound), np.nan)
+    unknown = np.full(len(before), np.nan)
     if not len(free):
-        return Found(x, sd, flat, ())
-    value = _Posterior(score, prior_sd)
-    generator = np.random.default_rng(seed)
-    drawn = [
-        np.where(flat, 0.0, generator.uniform(-0.5, 0.5, len(x)) * bound) for _ in range(DRAWN)
-    ]
-    likeliest = sorted(drawn, key=value, reverse=True)[: STARTS - 1]
-    ends = [_climb(value, start, free, bound) for start in (x, *likeliest)]
-    reached = tuple(value(end) for end in ends)
-    x = max(ends, key=value)
-    told: set[int] = set()
+        return Found(x=before, sd=unknown, flat=flat)
+    value = _Posterior(score, prior.sd)
+    x, starts = _highest(value, prior, before, free, seed)
     while len(free):
-        sd = np.full(len(bound), np.nan)
-        sd[free] = _sd(score, x, free, prior_sd)
-        doubtful = [int(k) for k in free if k not in told and not abs(x[k]) > 2.0 * sd[k]]
-        if not doubtful:
-            break
-        worst = min(doubtful, key=lambda k: abs(x[k]) / sd[k] if sd[k] > 0.0 else 0.0)
-        rest = free[free != worst]
-        without = np.where(np.arange(len(x)) == worst, 0.0, x)
-        without = _climb(value, without, rest, bound) if len(rest) else without
-        if mean(score(x) - score(without)).low > 0.0:
-            told.add(worst)
-        else:
-            x, free = without, rest
-    return Found(x, np.where(x == 0.0, np.nan, sd), flat, reached)
+        sd = unknown.copy()
+        sd[free] = _sd(score, x, free, prior.sd)
+        moved = np.abs(x - before)
+        away = np.where(moved > LEAST, moved, 0.0) / np.where(sd > 0.0, sd, np.inf)
+        weakest = int(min(free, key=lambda k: away[k]))
+        # where the likelihood is not curved, as beside a bound, the blocks alone tell
+        sure = away[weakest] > SURE_SD or (
+            paired and moved[weakest] > LEAST and np.isnan(sd[weakest])
+        )
+        if sure and not (paired and mean(score(x) - score(before)).low <= 0.0):
+            return Found(x=x, sd=sd, flat=flat, starts=starts)
+        free = free[free != weakest]
+        rest = np.where(np.arange(len(x)) == weakest, before, x)
+        x = _climb(value, rest, free, prior.bound) if len(free) else before
+    return Found(x=before, sd=unknown, flat=flat, starts=starts)
+
+
+def _highest(
+    value: Callable[[Array], float], prior: Prior, before: Array, free: NDArray[np.int64], seed: int
+) -> tuple[Array, tuple[float, ...]]:
+    """The best end of several searches, and what each of them reached."""
+    generator = np.random.default_rng(seed)
+    drawn = np.tile(before, (DRAWN, 1))
+    drawn[:, free] = generator.uniform(-0.5, 0.5, (DRAWN, len(free))) * prior.bound[free]
+    likeliest = sorted(drawn, key=value, reverse=True)[: STARTS - 1]
+    ends = [_climb(value, start, free, prior.bound) for start in (before, *likeliest)]
+    return max(ends, key=value), tuple(value(end) for end in ends)
 
 
 @dataclass(frozen=True)
@@ -99,16 +123,18 @@ class _Posterior:
         return float(self.score(x).sum() - 0.5 * np.sum((x / self.prior_sd) ** 2))
 
 
-def _flat(score: Score, bound: Array) -> NDArray[np.bool_]:
-    """Which noises hardly change the likelihood when they are a third or three times as large."""
-    here = score(np.zeros(len(bound))).sum()
-    flat = np.ones(len(bound), bool)
-    for k in range(len(bound)):
+def changes(
+    score: Score, prior: Prior, asked: NDArray[np.bool_], before: Array, tells: float
+) -> NDArray[np.bool_]:
+    """Which noises, a third or three times as large, change the log density by `tells` or more."""
+    here = score(before).sum()
+    found = np.zeros(len(before), bool)
+    for k in np.flatnonzero(asked):
         for way in (-SPREAD, SPREAD):
-            x = np.zeros(len(bound))
-            x[k] = np.clip(way, -bound[k], bound[k])
-            flat[k] &= abs(score(x).sum() - here) < TELLS
-    return flat
+            x = before.copy()
+            x[k] = np.clip(x[k] + way, -prior.bound[k], prior.bound[k])
+            found[k] |= abs(score(x).sum() - here) >= tells
+    return found
 
 
 def _climb(
@@ -159,7 +185,7 @@ def _sd(score: Score, x: Array, free: NDArray[np.int64], prior_sd: Array) -> Arr
     sd = np.full(k, np.nan)
     if curved[0] > 0.0:
         inverse = ways / curved @ ways.T
-        spread = np.atleast_2d(np.cov(slope)) * slope.shape[1]
+        spread = np.atleast_2d(np.cov(slope)) * slope.shape[1] + np.diag(1.0 / prior_sd[free] ** 2)
         return np.sqrt(np.diag(inverse @ spread @ inverse))
     level = np.abs(ways[:, 0]).argmax()  # the one that the likelihood tells least
     kept = np.arange(k) != level
