@@ -23,6 +23,11 @@ HIDDEN_RANKS = {
     COVERAGE: 1,
 }  # fmt: skip
 """The same of the table of what is foretold while GNSS is hidden."""
+HIDDEN_PHASE_RANKS = {
+    "estimator": 0, "hidden [s]": 0, "phase": 0, "times": 3, "speed RMS [m/s]": 0,
+    "slip RMS [%]": 1, COVERAGE: 1,
+}  # fmt: skip
+"""The same of that table by phase."""
 
 PHASE_RANKS = {
     "estimator": 0, "phase": 0, "samples": 3, "slip RMSE [%]": 0, "bias [%]": 2, COVERAGE: 1,
@@ -129,6 +134,24 @@ def hidden_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
         ]
         for each in scores.get("hidden", [])
     ]
+
+
+def hidden_phase_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
+    """The same by what was driven at the ends; none where a single phase was driven."""
+    rows = [
+        [
+            each["estimator"],
+            f"{each['hidden_s']:g}",
+            phase,
+            str(entry["n"]),
+            _text(entry["speed_rms_mps"], 1.0, 3),
+            _text(entry["slip_rms"], 100.0, 2),
+            _text(entry["in_2sd"], 100.0, 1),
+        ]
+        for each in scores.get("hidden", [])
+        for phase, entry in (each.get("phases") or {}).items()
+    ]
+    return rows if len({row[2] for row in rows}) > 1 else []
 
 
 def hidden_notes(scores: Mapping[str, Plain]) -> list[str]:
