@@ -5,8 +5,8 @@ proportion. So a line from load to y holds where one from load to slip does not:
 
     y = traction + line . (load - mean load) + e     (recursive least squares, with an intercept)
 
-Draft, torque and fuel rise together: which of them is told the more is the prior's, and does not
-matter.
+Draft, torque and fuel rise together: which of them gets the larger coefficient is up to
+the prior, and does not matter.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from estimators.slip_ekf.update import take, variance
 from twin.compute.compiled import array_law
 
 PRIOR_SD, OFFSET_SD = 0.2, 0.7
-"""sd of the y that comes of one usual change of a load, and of the intercept."""
+"""sd of the y that comes of a load's common variation, and of the intercept."""
 WALK = 2e-6
 """Density of the walk of the line, as the ground changes [1/s]."""
 SCATTER_S, MEAN_S = 1.0, 60.0
@@ -35,7 +35,7 @@ MOST_BY_LOAD = 1.0
 ROBUST = 3.0
 """A y further off the line than this many sd counts as this many."""
 UNCOUNTED_S = 0.2
-"""After this time without a count the usual slip says less [s]."""
+"""After this time without a count the expected slip is less certain [s]."""
 SCATTER_SD, LEARN_SD = 0.07, 0.05
 """sd of y about the line, and sd of a slip from which it is learnt."""
 MOVING_MPS, SPREAD_LEARN_S, LEAST_SD, MOST_SD = 0.3, 15.0, 0.03, 0.4
@@ -44,11 +44,11 @@ between what it is kept."""
 LEAST_STEEP = 0.25
 """dslip/dy for the spread at least: slip near zero spreads as it does at 8 %."""
 UNCOUNTED_SD = 0.1
-"""sd of the slip of wheels that nobody counts."""
+"""sd of the slip of wheels that are not counted."""
 
 
 @array_law
-def take_expected(slower: Array, dt: float, h: Array, tuning: Record, memory: Record) -> None:
+def take_expected(slow: Array, dt: float, h: Array, tuning: Record, memory: Record) -> None:
     """The driven wheels slip as the load calls for; what they are off it by lasts some seconds.
 
     v = w (1 - slip(y)),   variance of one sample in dt: 2 spread slip_s / dt
@@ -59,7 +59,7 @@ def take_expected(slower: Array, dt: float, h: Array, tuning: Record, memory: Re
     if abs(rim) < MOVING_MPS or not 0.0 < dt < STALE_S:
         return
     z = np.zeros(HELD)
-    centred(slower, memory, z)
+    centred(slow, memory, z)
     by, by_var = by_load(z, memory)
     off = rows.expected(memory.x, by, rim, h)
     steep = max(slip_of(memory.x[TRACTION] + by)[1], LEAST_STEEP) * abs(rim)
@@ -71,7 +71,7 @@ def take_expected(slower: Array, dt: float, h: Array, tuning: Record, memory: Re
         state_sq = (LEARN_SD * rim) ** 2 + memory.p[TRACTION, TRACTION] * steep**2
         if state_var < state_sq and abs(memory.x[W]) > MOVING_MPS:
             y, _ = traction(1.0 - memory.x[V] / memory.x[W])
-            learn_line(slower, y, dt, z, memory)
+            learn_line(slow, y, dt, z, memory)
         square = min(max(off**2 - known, 0.0) / steep**2, MOST_SD**2)
         share = dt / (min(memory.slip_s, SPREAD_LEARN_S) + 5.0)
         memory.y_var += min(share, 1.0) * (square - memory.y_var)
@@ -83,7 +83,7 @@ def take_expected(slower: Array, dt: float, h: Array, tuning: Record, memory: Re
 
 @array_law
 def centred(loads: Array, memory: Record, z: Array) -> None:
-    """Fill z = (1, load - mean load); 0 for a load that nobody tells, or has told before."""
+    """Fill z = (1, load - mean load); 0 for a load that is unknown, or has no mean yet."""
     z[0] = 1.0
     for i in range(1, HELD):
         off = loads[i] - memory.mean_load[i]

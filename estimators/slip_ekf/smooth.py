@@ -1,6 +1,6 @@
 """The offline smoother: slip-ekf forward, then Rauch, Tung and Striebel's smoother backward.
 
-It sees the whole log, so it is not causal, and what it says depends on where the log was cut.
+It sees the whole log, so it is not causal, and its estimates depend on where the log is cut.
 
 Source: Rauch, Tung and Striebel 1965, AIAA Journal 3, 1445.
 """
@@ -18,9 +18,10 @@ from estimators.estimate import SLOW_MPS
 from estimators.kalman import Array, Record
 from estimators.layout import OUT_OF_ORDER
 from estimators.slip_ekf import SLIP_EKF, SlipEkf, State, motion
-from estimators.slip_ekf.filter import advance, fading_s, measure
+from estimators.slip_ekf.filter import advance, measure
 from estimators.slip_ekf.held import USED, held
-from estimators.slip_ekf.layout import ACROSS, SIZE, V
+from estimators.slip_ekf.jerk import fading_s
+from estimators.slip_ekf.layout import SIZE, V_Y, V
 from estimators.slip_ekf.report import MOUNT_SD_RAD, slip
 from twin.compute.compiled import array_law
 from twin.streams import Setup, Streams, Table
@@ -55,7 +56,7 @@ class SlipEkfSmooth:
         if not len(table["epoch_ns"]):
             return after, table
         reader, samples = signals.read(state.reader, chunk, USED)
-        _, slower = held(state.held, chunk)
+        _, slow = held(state.held, chunk)
         memory, steps = state.memory.copy(), len(samples) + 1
         memory["keeps"] = 1
         nominal, tuning = reader.nominal[0], state.tuning[0]
@@ -64,7 +65,7 @@ class SlipEkfSmooth:
         before_cov, cov = np.zeros((steps, SIZE, SIZE)), np.zeros((steps, SIZE, SIZE))
         cut, given = np.ones((steps, SIZE), np.int64), np.zeros((steps, GIVEN))
         count = _forward(
-            samples, slower, nominal, tuning, memory[0], epoch_ns, before, before_cov, mean, cov,
+            samples, slow, nominal, tuning, memory[0], epoch_ns, before, before_cov, mean, cov,
             cut, given,
         )  # fmt: skip
         at = np.searchsorted(epoch_ns[:count], table["epoch_ns"])
@@ -77,7 +78,7 @@ class SlipEkfSmooth:
 
 @array_law
 def _forward(
-    samples: Any, slower: Array, nominal: Record, tuning: Record, memory: Record,
+    samples: Any, slow: Array, nominal: Record, tuning: Record, memory: Record,
     epoch_ns: NDArray[np.int64], before: Array, before_cov: Array, mean: Array, cov: Array,
     cut: NDArray[np.int64], given: Array,
 ) -> int:  # fmt: skip
@@ -89,7 +90,7 @@ def _forward(
     """
     n, known = -1, 0
     h, first, first_cov = np.zeros(SIZE), np.zeros(SIZE), np.zeros((SIZE, SIZE))
-    f, q, room = np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
+    f, q, scratch = np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
     for i in range(len(samples)):
         signal = samples[i]
         if signal.flags & OUT_OF_ORDER:
@@ -97,7 +98,7 @@ def _forward(
         was_ns = memory.time_ns
         rim, turn = memory.rim_mps, nominal.wheelbase_m * memory.yaw_rate
         fading = fading_s(tuning, memory)
-        advance(signal.epoch_ns, nominal, tuning, memory, f, q, room)
+        advance(signal.epoch_ns, nominal, tuning, memory, f, q, scratch)
         if memory.time_ns > was_ns or n < 0:
             n += 1
             epoch_ns[n], known = memory.time_ns, memory.known
@@ -105,7 +106,7 @@ def _forward(
             given[n, 3] = (memory.time_ns - was_ns) * 1e-9
             first[:] = memory.x
             first_cov[:, :] = memory.p
-        measure(signal, slower[i], h, nominal, tuning, memory)
+        measure(signal, slow[i], h, nominal, tuning, memory)
         given[n, RIM] = memory.rim_mps
         mean[n, :] = memory.x
         cov[n, :, :] = memory.p
@@ -184,11 +185,11 @@ def _estimates(table: Table, mean: Array, cov: Array, rim: Array, turned: Array)
     known = np.isfinite(table["slip"])
     speed = mean[:, V]
     wheel, slips, sd = _slips(mean, cov, rim, turned)
-    v_y = mean[:, ACROSS]
+    v_y = mean[:, V_Y]
     turning = table["v_y_mps"] - table["speed_mps"] * np.tan(table["sideslip_rear_rad"])
     v_y_cg = v_y + np.nan_to_num(turning)
     fast, moving = np.abs(speed) >= SLOW_MPS, np.maximum(np.abs(speed), SLOW_MPS)
-    across_sd = np.hypot(np.sqrt(np.maximum(cov[:, ACROSS, ACROSS], 0.0)) / moving, MOUNT_SD_RAD)
+    across_sd = np.hypot(np.sqrt(np.maximum(cov[:, V_Y, V_Y], 0.0)) / moving, MOUNT_SD_RAD)
     found = {
         "speed_mps": speed,
         "wheel_speed_mps": wheel,

@@ -27,7 +27,7 @@ def take(memory: Record, h: Array, error: float, r: float) -> None:
     Args:
         memory: record whose `x` and `p` are updated; a smoother has it keep what was gained.
         h: row of the measurement, (SIZE,).
-        error: what was measured less what was foretold.
+        error: innovation.
         r: variance of the measurement.
     """
     x, p = memory.x, memory.p
@@ -55,12 +55,12 @@ def take(memory: Record, h: Array, error: float, r: float) -> None:
 
 
 @array_law
-def grow(p: Array, way: Array, by: float) -> None:
-    """One unknown of variance `by` that moves several states at once: P <- P + by way way^T."""
+def grow(p: Array, direction: Array, by: float) -> None:
+    """One unknown of variance `by` that moves several states at once: P <- P + by d d^T."""
     for i in range(SIZE):
-        if way[i] != 0.0:
+        if direction[i] != 0.0:
             for j in range(SIZE):
-                p[i, j] += by * way[i] * way[j]
+                p[i, j] += by * direction[i] * direction[j]
 
 
 @array_law

@@ -6,8 +6,8 @@ from contextlib import closing
 import numpy as np
 import pytest
 
+from twin.control.baselines import BASELINES
 from twin.control.controllers import (
-    BASELINES,
     MOST_RELIEF_M,
     PI,
     Constant,
