@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from twin.pipeline.result import Result as Result
     from twin.scenario import Course as Course
     from twin.scenario import Drive as Drive
+    from twin.scenario import Driver as Driver
+    from twin.scenario import Event as Event
     from twin.scenario import Field as Field
     from twin.scenario import Plough as Plough
     from twin.scenario import Scenario as Scenario
@@ -47,6 +49,8 @@ _HOME = {
     "Field": "twin.scenario",
     "Plough": "twin.scenario",
     "Drive": "twin.scenario",
+    "Driver": "twin.scenario",
+    "Event": "twin.scenario",
     "Course": "twin.scenario",
     "Sensors": "twin.sensors",
     "Machine": "twin.vehicle",
@@ -56,9 +60,9 @@ _HOME = {
 _MODULES = ("errors", "testing")
 
 __all__ = [
-    "Course", "Drive", "Estimator", "Field", "Implement", "Machine", "Plough", "Result", "Scenario",
-    "Sensors", "Soil", "errors", "estimate", "load", "run", "study", "testing",
-    "tune",
+    "Course", "Drive", "Driver", "Estimator", "Event", "Field", "Implement", "Machine", "Plough",
+    "Result", "Scenario", "Sensors", "Soil", "errors", "estimate", "load", "run", "study",
+    "testing", "tune",
 ]  # fmt: skip
 
 
