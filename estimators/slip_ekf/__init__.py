@@ -8,15 +8,17 @@ states (Schmidt 1966); noise learnt from innovations (Mehra 1970, IEEE TAC 15, 1
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators import signals
 from estimators.estimate import ROW
-from estimators.slip_ekf.filter import loop
+from estimators.innovations import KEPT, MOST, as_table
+from estimators.slip_ekf.filter import kept_innovations, loop
 from estimators.slip_ekf.held import USED, Held, held, start
 from estimators.slip_ekf.jerk import NO_IMU_JERK_PSD
 from estimators.slip_ekf.layout import first_memory
@@ -98,6 +100,14 @@ class SlipEkf:
     """An accelerometer's word alone holds a speed off for this time [s]: longer than the half-sines
     of 0.2 s of the IMA-PKF paper."""
 
+    tunable: ClassVar[Mapping[str, str]] = {
+        "traction_psd": "assumed",
+        "pitch_slip_sd": "assumed",
+        "gravity_psd": "assumed",
+        "bias_psd": "assumed",
+    }
+    """What innovations may tell of and the filter does not learn itself, with its grade."""
+
     def init(self, setup: Setup) -> State:
         """The state before the first sample."""
         tuning = np.zeros(1, TUNING)
@@ -122,6 +132,19 @@ class SlipEkf:
             count = loop(samples, slow, reader.nominal[0], state.tuning[0], memory[0], rows)
         table = {name: np.ascontiguousarray(rows[name][:count]) for name in ESTIMATES}
         return State(reader, known, state.tuning, memory), table
+
+    def innovations(self, setup: Setup, streams: Streams) -> Table:
+        """What each measurement, refused or not, is off what was foretold, and its variance."""
+        state = self.init(setup)
+        reader, samples = signals.read(state.reader, streams, USED)
+        _, slow = held(state.held, streams)
+        memory, kept = state.memory.copy(), np.zeros(MOST * len(samples), KEPT)
+        memory["notes"]["wanted"] = 1
+        count = 0
+        if len(samples):
+            nominal, tuning = reader.nominal[0], state.tuning[0]
+            count = kept_innovations(samples, slow, nominal, tuning, memory[0], kept)
+        return as_table(kept[:count])
 
 
 TUNING = np.dtype([(field.name, "f8") for field in dataclasses.fields(SlipEkf)], align=True)

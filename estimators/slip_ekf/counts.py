@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from estimators.innovations import note
 from estimators.kalman import Array, Record
 from estimators.slip_ekf import learn, load, motion, rows, unloaded
 from estimators.slip_ekf.begin import begin
@@ -199,6 +200,7 @@ def _take_rear(
         r = speed_var(NUMBER[FROM_DRIVEN], speed, tau, var, memory)
         error = speed - rows.driven(memory.x, memory.rim_mps, age + tau, h)
     total = variance(memory.p, h, r)
+    note(memory.notes, error, total)
     normalised = error / math.sqrt(total)
     memory.nis_sum[FROM_DRIVEN] += normalised**2
     memory.nis_count[FROM_DRIVEN] += 1

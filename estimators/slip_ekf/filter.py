@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from estimators.innovations import keep
 from estimators.kalman import Array, Record
 from estimators.layout import (
     CAMERA,
@@ -51,6 +52,22 @@ def loop(
             report(out[n], signal, h, nominal, memory)
             n += 1
     return n
+
+
+@array_law
+def kept_innovations(
+    signals: Any, slow: Array, nominal: Record, tuning: Record, memory: Record, kept: Any
+) -> int:
+    """Take the samples, keep their innovations; returns how many."""
+    count = 0
+    h = np.zeros(SIZE)
+    f, q, scratch = np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
+    for i in range(len(signals)):
+        if not signals[i].flags & OUT_OF_ORDER:
+            advance(signals[i].epoch_ns, nominal, tuning, memory, f, q, scratch)
+            measure(signals[i], slow[i], h, nominal, tuning, memory)
+            count = keep(memory.notes, signals[i], kept, count)
+    return count
 
 
 @array_law

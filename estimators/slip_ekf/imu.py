@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from estimators.innovations import note
 from estimators.kalman import Array, Record
 from estimators.layout import GRAVITY_MPS2
 from estimators.slip_ekf import motion, rows
@@ -62,6 +63,7 @@ def take_imu(
     error = accel - rows.accel(memory.x, h)
     white += max(memory.jerk_psd, tuning.jerk_psd) * age
     total = variance(memory.p, h, white)
+    note(memory.notes, error, total)
     memory.nis_sum[FROM_IMU] += error**2 / total
     memory.nis_count[FROM_IMU] += 1
     if error**2 > OUTLIER_SD**2 * total:

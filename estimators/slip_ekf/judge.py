@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from estimators.innovations import note
 from estimators.kalman import Array, Record
 from estimators.layout import STALE_S
 from estimators.slip_ekf.consensus import disagreement
@@ -67,6 +68,7 @@ def accepted(
         tuning, memory: records; `memory` is changed.
     """
     total = variance(memory.p, h, r)
+    note(memory.notes, error, total)
     nis = error**2 / total
     refused = memory.refused_ns[source] >= 0
     within = tuning.gate * (HYSTERESIS if refused else 1.0)

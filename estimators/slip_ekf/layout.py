@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.innovations import NOTES
 from estimators.slip_ekf.held import HELD
 
 V, A, W, W_RATE = range(4)
@@ -87,6 +88,7 @@ MEMORY = np.dtype(
         ("camera_psd", "f8"), ("camera_scale", "f8", 2), ("camera_ns", "i8"),
         # for a smoother
         ("keeps", "i8"), ("gained", "f8", SIZE), ("lost", "f8", (SIZE, SIZE)), ("cut", "i8", SIZE),
+        ("notes", NOTES),
     ],
     align=True,
 )  # fmt: skip
@@ -122,7 +124,8 @@ long, and the mean slip at work; `towed_before`: error of the towed wheels as th
 the walk of a camera's scale, and what that is learnt from.
 
 `keeps`: 1 for a smoother, which needs what measurements have `gained` and `lost` of mean and
-covariance since the last prediction, and which states were `cut` off then."""
+covariance since the last prediction, and which states were `cut` off then;
+`notes`: the innovations of this sample."""
 
 
 def first_memory(jerk_psd: float) -> NDArray[Any]:

@@ -35,7 +35,7 @@ from estimators.slip_ekf.smooth import SLIP_EKF_SMOOTH
 from estimators.slip_ekf.unloaded import MOVED, MOVED_SD, take_plough
 from estimators.slip_ekf.wheels import yawing
 from twin.streams import Streams
-from twin.testing.drives import Drive, derivative, seconds, setup, stamps, streams, times
+from twin.testing.drives import Drive, seconds, setup, stamps, streams, times
 
 RIM = 2.0
 STEP = 1e-6
@@ -594,9 +594,8 @@ def test_a_covariance_stays_one():
 
 
 def test_a_drive_backwards_is_one():
-    back = Drive(duration_s=20.0, speed=lambda t: -1.2 + 0.0 * t, slip=lambda t: 0.05 + 0.0 * t)
+    back = Drive(duration_s=20.0, speed=lambda t: -1.2 + 0.0 * t, slip=lambda t: -0.05 + 0.0 * t)
     _, table = estimated(streams(back, setup()))
     late = seconds(table["epoch_ns"]) > 5.0
     assert table["speed_mps"][late].mean() == pytest.approx(-1.2, abs=0.01)
-    due = derivative(lambda t: 1.0 * t, np.zeros(1))[0] * -0.05  # both speeds are negative
-    assert table["slip"][late].mean() == pytest.approx(due, abs=0.01)
+    assert table["slip"][late].mean() == pytest.approx(-0.05, abs=0.01)  # it drives backwards
