@@ -50,6 +50,8 @@ SAME_S = 0.001
 """Instants as near as this are one."""
 LAPSE_S = 0.04
 """The covariance is not carried more often than a measurement or this time asks [s]."""
+SHARE = 0.5
+"""What of the variance from sample to sample is white: the rest is an engine, and does not add up."""
 ACCEL_PSD, SETTLE, MOST_SQUARE = 5e-5, 100.0, 9.0
 """Density of the forces' noise at first [m2/s3], samples over which it is averaged, and what a
 square counts at most over the mean."""
@@ -213,7 +215,7 @@ def learn_noise(values: Array, dt: float, nominal: Record, memory: Record) -> No
         memory.accel_psd = ACCEL_PSD
     if math.isfinite(square) and 0.0 < dt < STALE_S:
         known = max(memory.accel_psd, least)
-        psd = min(square * dt, MOST_SQUARE * known)
+        psd = min(SHARE * square * dt, MOST_SQUARE * known)
         memory.accel_psd = max(known + (psd - known) / SETTLE, least)
 
 
@@ -295,6 +297,8 @@ def _take_frame(values: Array, h: Array, nominal: Record, tuning: Record, memory
         error = -rows.camera_aside(x, frame, follows, beside, lean, nominal, memory, h)
         r = values[2] + (math.sin(x[18]) * tuning.camera_ahead_sd * ahead) ** 2
         r += 0.0 if follows else memory.lateral_psd * span_s / 3.0
+        sinks = math.sin(x[ROLL] - lean) * motion.sinking(x, memory.imu)
+        r += sinks**2 * max(motion.SINKS_S / span_s, 1.0)
         take(x, p, h, error, r, GATE)
         memory.lateral_ns = memory.camera_ns = memory.epoch_ns
     restart(x, p, ASIDE, 0.0, 0.0)

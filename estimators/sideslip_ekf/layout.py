@@ -79,10 +79,11 @@ MEMORY = np.dtype(
         # ground and work
         ("grade", "f8"), ("grade_s", "f8"), ("ground", "f8", 2), ("ground_s", "f8"),
         ("surveyed", "i8"),
-        ("pulls", "i8"), ("depth_told", "i8"), ("slip", "f8"), ("level", "i8"),
+        ("pulls", "i8"), ("pulls_s", "f8"), ("depth_told", "i8"), ("slip", "f8"), ("level", "i8"),
         ("sector_felt", "f8", (SECTORS, 2)), ("sector_s", "f8", SECTORS), ("stretch_s", "f8"),
         # learnt
-        ("law_var", "f8"), ("law_s", "f8"), ("steady_rad", "f8"), ("lateral_psd", "f8"),
+        ("law_var", "f8"), ("law_s", "f8"), ("stance_s", "f8"), ("steady_rad", "f8"),
+        ("lateral_psd", "f8"),
         ("accel", "f8", (2, 2)), ("accel_var", "f8"), ("accel_psd", "f8"), ("unrest", "f8"),
         ("excess", "f8"), ("agree", "f8"), ("anchor_m", "f8", 2),
         ("anchor_ns", "i8"), ("way_m", "f8", 2), ("way_mps", "f8", 2), ("way_ns", "i8"),
@@ -98,7 +99,7 @@ what the slip filter said last, at `speed_ns`, -1 once it is taken; `heard`: 1 f
 columns that has values; `felt`: specific force ahead and to the left over half a second,
 `felt_slow` over some, in `felt_s`; `ground`: gradient of the ground to the east and north, told
 while nothing is pulled (`surveyed`); `sector_*`: what was felt along each heading; `law_var`:
-variance of the law of sliding on level ground [m2/s2]; `steady_rad`: its angle, averaged;
+variance of the law of sliding [rad2]; `steady_rad`: its angle, averaged;
 `lateral_psd`: density of the lateral speed's walk from frame to frame; `accel`, `accel_var`,
 `accel_psd`: the last forces, variance and density of their white noise; `unrest`: factor of what no
 accelerometer tells; `excess`: of the gyro's noise; `agree`: how far positions and velocities of the

@@ -55,6 +55,12 @@ from estimators.sideslip_ekf.layout import (
 )  # fmt: skip
 from twin.compute.compiled import array_law
 
+HALF_TRACK_M, SINKS_S = 0.9, 1.0
+"""From the middle of the body to a wheel that drops into a furrow [m], and how long it drops
+[s]."""
+EARLY, EARLY_S = 100.0, 5.0
+"""How much quicker than later the push of an implement changes at first, and for how long [s]."""
+
 Places = NDArray[np.int64]
 """Rows and columns, (ENTRIES, 2)."""
 
@@ -75,6 +81,15 @@ def across(x: Array, memory: Record) -> float:
         left = memory.ground[1] * math.cos(x[HEADING]) - memory.ground[0] * math.sin(x[HEADING])
         return math.atan(left)
     return float(x[ROLL])
+
+
+@array_law
+def sinking(x: Array, imu: Array) -> float:
+    """How fast a body that rolls rises or sinks [m/s]: one of its wheels does, the other not.
+
+    Nothing measures it; on a slope, and in a body that leans, some of it is lateral.
+    """
+    return float(HALF_TRACK_M * abs(imu[P_RATE] - x[BIAS_P]))
 
 
 @array_law
@@ -274,9 +289,13 @@ def noise(
     way[:] = 0.0
     way[PITCH], way[HEADING] = cos_roll, sin_roll
     _grow(p, way, (gyro + by_q if memory.heard[Q_RATE] else 0.0) * dt)
+    way[:] = 0.0
+    way[EAST], way[NORTH] = -math.sin(x[HEADING]), math.cos(x[HEADING])
+    _grow(p, way, SINKS_S * (math.sin(across(x, memory)) * sinking(x, imu)) ** 2 * dt)
     free = tuning.free_psd * memory.unrest
     p[V_X, V_X] += (memory.accel_psd if memory.heard[F_X] else 4.0 * free) * dt
-    walk(p, memory.accel_psd if memory.heard[F_Y] else free, dt)
+    rolls = SINKS_S * (sinking(x, imu) * (imu[P_RATE] - x[BIAS_P])) ** 2
+    walk(p, memory.accel_psd + rolls if memory.heard[F_Y] else free, dt)
     if not memory.heard[P_RATE]:
         fade(x, p, ROLL, tuning.unfelt_s, tuning.unfelt_sd, dt)
     if not memory.heard[Q_RATE]:
@@ -291,7 +310,9 @@ def noise(
     p[MISALIGNED, MISALIGNED] += tuning.misaligned_psd * dt
     p[COMPLIANCE, COMPLIANCE] += tuning.compliance_psd * dt
     if memory.pulls:
-        p[PUSH, PUSH] += tuning.push_psd * dt
+        early = EARLY * math.exp(-memory.pulls_s / EARLY_S)
+        memory.pulls_s += dt
+        p[PUSH, PUSH] += (1.0 + early) * tuning.push_psd * dt
     p[CAMERA_YAW, CAMERA_YAW] += tuning.camera_yaw_psd * dt
     p[CAMERA_SCALE, CAMERA_SCALE] += dt * (
         tuning.camera_work_psd if memory.pulls else tuning.camera_scale_psd
