@@ -71,10 +71,6 @@ class SideslipEkf:
     """Of the accelerometers' biases [m2/s5]."""
     lean_sd: float = 0.1
     """sd of roll and pitch before anything is felt [rad]."""
-    unfelt_sd: float = 0.04
-    """The same where no gyro tells them: a road's camber [rad]."""
-    unfelt_s: float = 300.0
-    """Time over which they are forgotten then [s]."""
     misaligned_sd: float = math.radians(0.2)
     """sd of the antennas' mounting angle [rad], as set with a square."""
     misaligned_psd: float = 1e-12

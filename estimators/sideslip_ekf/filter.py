@@ -51,7 +51,7 @@ SAME_S = 0.001
 LAPSE_S = 0.04
 """The covariance is not carried more often than a measurement or this time asks [s]."""
 SHARE = 0.5
-"""What of the variance from sample to sample is white: the rest is an engine, and does not add up."""
+"""What of the variance from sample to sample is white: the rest is an engine."""
 ACCEL_PSD, SETTLE, MOST_SQUARE = 5e-5, 100.0, 9.0
 """Density of the forces' noise at first [m2/s3], samples over which it is averaged, and what a
 square counts at most over the mean."""
@@ -182,6 +182,9 @@ def _settle(
         motion.noise(memory.x, memory.p, memory.imu, memory.lapse_s, nominal, tuning, memory, h)
         memory.change[:] = 0.0
         memory.lapse_s = 0.0
+        if not memory.heard[F_Y]:
+            motion.slide_on(memory.x, memory.p, memory.x[V_X] - memory.faster_mps)
+            memory.faster_mps = memory.x[V_X]
     if memory.speed_ns >= 0:
         take_speed(memory.speed, h, nominal, tuning, memory)
         memory.speed_ns = -1
@@ -258,6 +261,7 @@ def forget(nominal: Record, tuning: Record, memory: Record) -> None:
     for state in (SLIDE, SLIDE_REAR):
         restart(x, p, state, x[state], 0.0)
     memory.pulls = 0
+    memory.faster_mps = 0.0
     memory.lateral_psd, memory.unrest = tuning.frame_psd, 1.0
     ground.forget(memory)
 

@@ -29,8 +29,9 @@ MOVING_MPS = 0.5
 """Below this speed no course is taken for a heading."""
 BASELINE_SD, COURSE_SD = 0.05, 0.2
 """sd of a first heading from the baseline and from the course [rad]."""
-LEAPS = 3
-"""So many headings beyond the gate in a row are right, and what foretold them is not."""
+DOUBT, LEAPS = 0.3, 3
+"""By such a share of its square an error of heading beyond the gate is that of what foretold it,
+and wholly after so many in a row."""
 LEAST_UNREST, MOST_UNREST = 0.1, 1e3
 """Factor of the motion that nothing feels."""
 DUE, MOST_EXCESS = 1.3, 1e7
@@ -51,8 +52,8 @@ def take_gnss(values: Array, h: Array, nominal: Record, tuning: Record, memory: 
         sd = values[6] if values[6] > 0.0 else nominal.heading_sd_rad
         error = wrapped(azimuth - rows.azimuth(x, nominal.mount_rad, h))
         unfelt(h, memory)
-        if memory.leapt >= LEAPS:  # the gyro missed a turn
-            p[HEADING, HEADING] += error**2
+        if error**2 > GATE**2 * (variance(p, h) + sd**2):  # the gyro missed a turn, or it leaps
+            p[HEADING, HEADING] += (1.0 if memory.leapt >= LEAPS else DOUBT) * error**2
         nis = take(x, p, h, error, sd**2, GATE)
         memory.excess = factor(memory.excess, nis, DUE, 1.0, MOST_EXCESS)
         memory.leapt = memory.leapt + 1 if nis > GATE**2 else 0

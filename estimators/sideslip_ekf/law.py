@@ -32,9 +32,9 @@ LASTING_S = 2.0
 FIRST_S, SETTLE_S, MOST_SQUARE = 0.3, 4.0, 9.0
 """How long the first spread of the law counts, time over which it is averaged [s], and what a
 square counts at most over the mean."""
-TRUST, SLOPING, PULLING = 1.0, 4.0, 16.0
+TRUST, SLOPING, PULLING, UNFELT = 1.0, 4.0, 16.0, 100.0
 """The law never tells more than this much less than is known already, and its variance grows by
-the others on slopes and behind an implement."""
+the others on slopes, behind an implement, and where no force is felt."""
 STANCE_S = 3.0
 """Level driving that tells how the body stands [s]."""
 LEAST_STEP_S, MOST_STEP_S = 1e-3, 1.0
@@ -65,9 +65,9 @@ def take_speed(values: Array, h: Array, nominal: Record, tuning: Record, memory:
         take(x, p, h, speed - x[V_X], r, GATE)
     if abs(x[V_X]) < DRIVING_MPS:
         return
-    if not memory.heard[F_Y] and p[ROLL, ROLL] > 1.1 * tuning.unfelt_sd**2:
-        restart(x, p, ROLL, 0.0, tuning.unfelt_sd**2)
-        restart(x, p, PUSH, 0.0, tuning.unfelt_slide**2)
+    if not memory.heard[F_Y] and p[ROLL, ROLL] > 0.0:  # how it leans nobody knows, a road's camber
+        for state, sd in ((ROLL, 0.0), (PITCH, 0.0), (PUSH, tuning.unfelt_slide)):
+            restart(x, p, state, 0.0, sd**2)
     least = tuning.level_sd_mps**2 * 0.02 / dt
     if memory.level and memory.heard[F_Y]:
         rows.one(V_Y, h)
@@ -86,7 +86,9 @@ def take_speed(values: Array, h: Array, nominal: Record, tuning: Record, memory:
         rough = PULLING * (tuning.rough_rad * x[V_X]) ** 2 * 0.02 / dt
     else:
         _learn(off, foretold, least, dt, tuning, memory)
-        rough = SLOPING * max(memory.law_var * x[V_X] ** 2, TRUST * foretold)
+        rough = (SLOPING if memory.heard[F_Y] else UNFELT) * max(
+            memory.law_var * x[V_X] ** 2, TRUST * foretold
+        )
     take(x, p, h, -off, rough + unsure_var, GATE)
 
 
