@@ -21,7 +21,7 @@ from twin.env.many import ManyEnv
 
 Array = NDArray[np.float64]
 
-BUDGETS = {"Plough-v0": (4, 32, 16, 20.0, "truth"), "WheelSlip-v0": (3, 12, 3, 8.0, "estimate")}
+BUDGETS = {"Plough-v0": (3, 12, 6, 12.0, "truth"), "WheelSlip-v0": (3, 12, 3, 8.0, "estimate")}
 """Rounds, candidates of each, training grounds, length of an episode [s], what is seen."""
 RANGES: dict[str, tuple[float, float]] = {
     "throttle": (-0.4, 1.0),
