@@ -9,10 +9,13 @@ from twin.commands.terminal import say
 from twin.io.plain import Plain
 from twin.scores.table import (
     HIDDEN_RANKS,
+    PHASE_RANKS,
     RANKS,
     end_lines,
     hidden_notes,
     hidden_rows,
+    left_out_lines,
+    phase_rows,
     score_rows,
     zero_line,
 )
@@ -27,6 +30,12 @@ def print_scores(scores: Mapping[str, Plain]) -> None:
         return
     say(_title(scores), style="italic")
     _print(rows, RANKS)
+    by_phase = phase_rows(scores)
+    if by_phase:
+        say(f"while driving, by phase: {scores['phase_rule']}", style="italic")
+        _print(by_phase, PHASE_RANKS)
+    for line in left_out_lines(scores):
+        say(f"note: {line}", style="dim", indent=2)
 
 
 def print_hidden(scores: Mapping[str, Plain]) -> None:

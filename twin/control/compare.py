@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.compute.mean import mean
+from twin.control.judged import UNITS
 from twin.control.own import AnyController
-from twin.control.trials import ENVIRONMENTS, HELD_OUT, PULL_QUANTITIES, QUANTITIES, drive
+from twin.control.trials import ENVIRONMENTS, HELD_OUT, drive
 from twin.errors import TwinError
 from twin.io.result_rows import Row, Rows, row
 
@@ -74,15 +75,14 @@ def rows(measured: Mapping[str, Mapping[str, Array]], against: Sequence[str] = (
     out = []
     for name, quantities in measured.items():
         for quantity in quantities:
-            unit = (QUANTITIES | PULL_QUANTITIES)[quantity]
-            out.append(_row(name, quantity, quantities[quantity], unit))
+            out.append(_row(name, quantity, quantities[quantity], UNITS[quantity]))
     for other in against:
         for name in measured:
             if other in measured and name != other:
                 for quantity, values in measured[name].items():
                     difference = values - measured[other][quantity]
-                    unit = (QUANTITIES | PULL_QUANTITIES)[quantity]
-                    out.append(_row(name, quantity + PAIRED.format(other), difference, unit))
+                    paired = quantity + PAIRED.format(other)
+                    out.append(_row(name, paired, difference, UNITS[quantity]))
     return out
 
 

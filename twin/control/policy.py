@@ -16,7 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.control.controllers import PI, Controller, Seen, draft_n
+from twin.control.fieldwork import FIELD_BASELINES
 from twin.control.torques import TORQUE_BASELINES
+from twin.control.traction import TRACTION_BASELINES
+from twin.env.reward import SLIP_LIMIT
 
 Array = NDArray[np.float64]
 
@@ -59,12 +62,45 @@ def torque_features(seen: Seen, slow: Seen) -> list[Array]:
     ]
 
 
+def field_features(seen: Seen, slow: Seen) -> list[Array]:
+    """Slip, speeds, depth, draft, engine and levers of Plough-v1."""
+    depth_m = np.maximum(seen["depth_m"], 0.0)
+    return [
+        (seen["slip"] - SLIP_LIMIT) / 0.1,
+        (slow["slip"] - SLIP_LIMIT) / 0.1,
+        seen["speed_mps"] / 2.0 - 0.8,
+        seen["wheel_speed_mps"] / 2.0 - 0.8,
+        (depth_m - seen["depth_target_m"]) / 0.05,
+        draft_n(seen) / 2e4,
+        seen["engine_radps"] / 50.0 - 3.2,
+        seen["throttle"],
+        seen["gear_kmh"] / 5.0 - 1.6,
+        seen["lift_set_rad"] * 5.0,
+        seen["mix"],
+    ]
+
+
+def traction_features(seen: Seen, slow: Seen) -> list[Array]:
+    """Slips, speeds, torques and the line of WheelSlip-v1."""
+    wheels = ("slip_rl", "slip_rr")
+    return [
+        *((seen[wheel] - 0.1) / 0.1 for wheel in wheels),
+        *((slow[wheel] - 0.1) / 0.1 for wheel in wheels),
+        seen["speed_mps"] - 1.3,
+        seen["wheel_speed_mps"] - 1.5,
+        seen["torque_left"],
+        seen["torque_right"],
+        seen["line_left_m"] / 0.2,
+        seen["line_heading_rad"] / 0.1,
+    ]
+
+
 @dataclass(frozen=True)
 class Task:
     """What a policy is for, and what it adds to."""
 
     base: Controller
-    reach: tuple[float, float]
+    reach: tuple[float, ...]
     """Most that is added to each action."""
     features: Callable[[Seen, Seen], list[Array]]
     """What a policy sees; all of it stands in the observations "estimate" and "truth" alike."""
@@ -86,6 +122,10 @@ TASKS = {
         torque_features,
         9,
         ("slip_rl", "slip_rr"),
+    ),
+    "Plough-v1": Task(FIELD_BASELINES["pi"], (0.6, 0.4, 0.2, 0.4), field_features, 11, ("slip",)),
+    "WheelSlip-v1": Task(
+        TRACTION_BASELINES["pi"], (0.3, 0.3), traction_features, 10, ("slip_rl", "slip_rr")
     ),
 }
 

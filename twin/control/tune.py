@@ -21,7 +21,12 @@ from twin.env.many import ManyEnv
 
 Array = NDArray[np.float64]
 
-BUDGETS = {"Plough-v0": (3, 12, 6, 12.0, "truth"), "WheelSlip-v0": (3, 12, 3, 8.0, "estimate")}
+BUDGETS = {
+    "Plough-v0": (3, 12, 6, 12.0, "truth"),
+    "WheelSlip-v0": (3, 12, 3, 8.0, "estimate"),
+    "Plough-v1": (4, 32, 16, 20.0, "truth"),
+    "WheelSlip-v1": (4, 32, 16, 20.0, "truth"),
+}
 """Rounds, candidates of each, training grounds, length of an episode [s], what is seen."""
 RANGES: dict[str, tuple[float, float]] = {
     "throttle": (-0.4, 1.0),
@@ -44,6 +49,9 @@ RANGES: dict[str, tuple[float, float]] = {
     "feed": (0.3, 0.9),
     "kp": (0.0, 2.0),
     "ki_ps": (0.0, 20.0),
+    "gear": (-0.3, 1.0),
+    "slip_set": (0.04, 0.25),
+    "line_pm": (-0.2, 3.0),
     "reach": (0.1, 0.6),
 }
 """Ranges of the gains that are searched."""

@@ -74,7 +74,7 @@ QUANTITIES: dict[str, dict[str, Quantity]] = {
         "fuel_rate": Quantity("fuel rate", "fuel_lph", 0.0, 1000.0),
     },
     "reference": {
-        "slip": Quantity("ratio", "slip", -1.0, 1.0),
+        "slip": Quantity("ratio", "slip", -2.0, 2.0),
         "speed": Quantity("speed", "speed_mps"),
         "wheel_speed": Quantity("speed", "wheel_speed_mps"),
         "sideslip_angle": Quantity("angle", "sideslip_rad", -math.pi, math.pi),

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from twin.pipeline.result import Measured, Result
     from twin.pipeline.run import Progress
     from twin.scenario import Scenario
-    from twin.simulation.operating import Operated
+    from twin.simulation.levers import Controlled
 
 DEFAULT_ESTIMATORS = ("ratio", "four-state")
 
@@ -51,7 +51,7 @@ def run(
     seed: int | None = None,
     progress: Progress | None = None,
     frames: Path | None = None,
-    operated: Operated | None = None,
+    controlled: Controlled | None = None,
 ) -> Result:
     """Drive a scenario, sense it, run the estimators, and score them against the truth.
 
@@ -61,7 +61,8 @@ def run(
         seed: of everything random, in place of the scenario's.
         progress: called with the share of the course driven, 0 to 1, and the time driven [s].
         frames: folder where the camera's frames are saved as PNG.
-        operated: who sets throttle and hitch in work; see `twin.control.operator.operated_by`.
+        controlled: who sets throttle and hitch in work, by
+            `twin.control.on_machine.controlled_by`.
 
     Raises:
         BadInput: a field is set that has no effect in this run, or a name is unknown.
@@ -80,7 +81,11 @@ def run(
     if seed is not None:
         chosen = dataclasses.replace(chosen, seed=seed)
     return driven(
-        chosen, estimators=by_name(estimators), progress=progress, frames=frames, operated=operated
+        chosen,
+        estimators=by_name(estimators),
+        progress=progress,
+        frames=frames,
+        controlled=controlled,
     )
 
 
@@ -93,6 +98,7 @@ def estimate(
     strict: bool = False,
     offset_s: Mapping[str, float] | None = None,
     hide_s: Iterable[float] = (),
+    tuning: str | Path | None = None,
 ) -> Result:
     """Run the estimators on a recorded drive.
 
@@ -107,6 +113,7 @@ def estimate(
             given is found from the speeds.
         hide_s: for how long GNSS is hidden at regular places while driving [s];
             `scores["hidden"]` then says how well each estimator foretold the receiver's speed.
+        tuning: file that `twin tune` wrote: other noises of some of the estimators.
 
     Raises:
         BadInput: the log or the map cannot be used; the message names the value.
@@ -123,6 +130,7 @@ def estimate(
     return estimated(
         files, path, estimators=by_name(estimators), reader=by, strict=strict,
         offset_s=offset_s, hide_s=tuple(hide_s),
+        tuning=None if tuning is None else Path(tuning),
     )  # fmt: skip
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from twin.machine.build import Machine
 from twin.scenario import Course, Scenario
 from twin.simulation.build import build
-from twin.simulation.operating import Operator
+from twin.simulation.levers import SetLevers
 from twin.simulation.simulate import simulate
 from twin.streams import Streams
 from twin.trajectory.trajectory import Trajectory
@@ -173,9 +173,9 @@ def _shifted(
 
 
 def run_chunks(
-    machine: Machine, operator: Operator | None = None
+    machine: Machine, set_levers: SetLevers | None = None
 ) -> tuple[Recording, Iterator[Trajectory]]:
-    """Drive the calibration before a run, which an operator may drive.
+    """Drive the calibration before a run, in which a controller may set the levers.
 
     Returns:
         The calibration, and an iterator over the run's chunks, shifted in time to start after it.
@@ -184,7 +184,7 @@ def run_chunks(
     Raises:
         Diverged: a state is not finite, or MuJoCo warned.
     """
-    chunks = simulate(machine, operator=operator)
+    chunks = simulate(machine, set_levers=set_levers)
     if not legs(machine.scenario):
         return Recording(), chunks
     first = next(chunks)

@@ -6,7 +6,7 @@ import pytest
 import twin
 from twin.cli import main
 from twin.control.controllers import hitch_action
-from twin.control.operator import ENTRIES, operated_by
+from twin.control.on_machine import ENTRIES, controlled_by
 from twin.errors import BadInput
 
 SHORT = {"course.length_m": 8.0, "course.approach_m": 6.0}
@@ -30,7 +30,9 @@ class Watches:
 def driven():
     mine = Watches()
     result = twin.run(
-        twin.load("plough-25cm", SHORT), ["slip-ekf"], operated=operated_by(mine, slip_target=0.2)
+        twin.load("plough-25cm", SHORT),
+        ["slip-ekf"],
+        controlled=controlled_by(mine, slip_target=0.2),
     )
     return mine, result
 
@@ -77,7 +79,7 @@ def test_the_same_run_without_a_controller_keeps_its_driver():
 )
 def test_what_cannot_be_controlled_is_named(name, overrides, said):
     with pytest.raises(BadInput, match=said):
-        twin.run(twin.load(name, overrides), ["ratio"], operated=operated_by("pi"))
+        twin.run(twin.load(name, overrides), ["ratio"], controlled=controlled_by("pi"))
 
 
 def test_a_controller_that_fails_leaves_nothing(tmp_path, monkeypatch, capsys):

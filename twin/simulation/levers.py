@@ -12,7 +12,7 @@ from twin.simulation.simulation import Simulation
 
 
 class Levers(NamedTuple):
-    """What the operator sets."""
+    """What the controller sets."""
 
     throttle: float
     """Control of the governor, 0 to 1."""
@@ -20,14 +20,14 @@ class Levers(NamedTuple):
     """Angle of the lower links that the hitch is set to."""
 
 
-Operator: TypeAlias = Callable[[Simulation, Record | None, bool], Levers | None]
+SetLevers: TypeAlias = Callable[[Simulation, Record | None, bool], Levers | None]
 """Asked before every decision, with the machine, what was recorded since the last (None at first),
 and whether it works: past the approach, and not on a headland. None leaves it to the driver."""
 
 
 @dataclass(frozen=True)
-class Operated:
-    """An operator by its name, and how it starts on a machine."""
+class Controlled:
+    """A controller by its name, and how it starts on a machine."""
 
     name: str
-    start: Callable[[Machine], Operator]
+    start: Callable[[Machine], SetLevers]

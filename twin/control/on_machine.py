@@ -21,7 +21,7 @@ from twin.machine.build import Machine
 from twin.pipeline import named as registry
 from twin.sensors import Sensors
 from twin.simulation.columns import Record
-from twin.simulation.operating import Levers, Operated
+from twin.simulation.levers import Controlled, Levers
 from twin.simulation.simulation import DECISION_S, Simulation
 
 TASK = "Plough-v0"
@@ -31,16 +31,16 @@ NEEDED = ("gnss", "imu", "wheels", "depth", "machine")
 """Sensors behind that observation."""
 
 
-def operated_by(
+def controlled_by(
     controller: AnyController | str, estimator: str = "slip-ekf", slip_target: float = 0.12
-) -> Operated:
+) -> Controlled:
     """A controller that sets throttle and hitch of a run while the plough works.
 
     It sees the observation "estimate" of Plough-v0, from the sensors of the run with their noise,
     and gives its actions every 20 ms. The driver steers, drives the approach and the headlands.
 
     ```
-    twin.run("plough-25cm", operated=operated_by("pi"))
+    twin.run("plough-25cm", controlled=controlled_by("pi"))
     ```
 
     Args:
@@ -67,7 +67,7 @@ def operated_by(
         found = chosen.controller(controller, told) if isinstance(controller, str) else controller
         return AtTheLevers(own.of_many(found, told, name), told, name, instruments, slip_target)
 
-    return Operated(name, start)
+    return Controlled(name, start)
 
 
 def _fitted(machine: Machine, name: str) -> Sensors:
@@ -86,7 +86,7 @@ def _fitted(machine: Machine, name: str) -> Sensors:
 
 
 class AtTheLevers:
-    """An operator: shows a controller what the run's sensors say, and sets what it asks for."""
+    """Shows a controller what the run's sensors say, and sets what it asks for."""
 
     def __init__(
         self,
