@@ -22,7 +22,7 @@ from twin.env.many import ManyEnv
 Array = NDArray[np.float64]
 
 BUDGETS = {
-    "Plough-v0": (4, 32, 16, 20.0, "truth"),
+    "Plough-v0": (3, 12, 6, 12.0, "truth"),
     "WheelSlip-v0": (3, 12, 3, 8.0, "estimate"),
     "Plough-v1": (4, 32, 16, 20.0, "truth"),
     "WheelSlip-v1": (4, 32, 16, 20.0, "truth"),

@@ -44,7 +44,7 @@ def state_of(env: Any, kept: tuple[str, ...]) -> EnvState:
         fleet={name: a.copy() for name, a in _arrays(episodes.fleet).items()},
         grounds={i: ground for i, (_, ground) in episodes.begun.items()},
         instruments=tuple(_looked(each) for each in episodes.instruments),
-        episodes={name: getattr(episodes, name).copy() for name in ("values", "actions")},
+        episodes={name: a.copy() for name, a in _arrays(episodes).items()},
         own={name: deepcopy(getattr(env, name)) for name in kept},
     )
 
@@ -60,8 +60,10 @@ def put_back(env: Any, state: EnvState) -> None:
     shapes = {name: array.shape for name, array in arrays.items()}
     if not isinstance(state, EnvState) or shapes != {n: a.shape for n, a in state.fleet.items()}:
         raise BadInput("the state is not of such an environment; its arguments must be the same")
+    known = _arrays(episodes)
     if len(state.instruments) != len(episodes.instruments) or any(
-        state.episodes[name].shape != getattr(episodes, name).shape for name in state.episodes
+        name not in known or values.shape != known[name].shape
+        for name, values in state.episodes.items()
     ):
         raise BadInput("the state is of an environment with another observation")
     starts = episodes.starts.of([ground.shape for ground in state.grounds.values()])
@@ -71,7 +73,7 @@ def put_back(env: Any, state: EnvState) -> None:
     for name, array in arrays.items():
         array[...] = state.fleet[name]
     for name, values in state.episodes.items():
-        setattr(episodes, name, values.copy())
+        known[name][...] = values
     for instruments, looked in zip(episodes.instruments, state.instruments, strict=True):
         _look_again(instruments, looked)
     for name, value in state.own.items():
@@ -79,7 +81,7 @@ def put_back(env: Any, state: EnvState) -> None:
 
 
 def _arrays(thing: object) -> dict[str, NDArray[Any]]:
-    """The arrays of a fleet that can change; those of its batch are among them."""
+    """The arrays that can change; those of a fleet's batch are among them."""
     return {
         name: value
         for name, value in vars(thing).items()

@@ -104,17 +104,19 @@ class PloughFieldVectorEnv(ManyEnv):
         camera: str = "follow",
         machine: str = Scenario.machine,
         implement: str | None = None,
+        grounds: Grounds = None,
     ) -> None:
         EzPickle.__init__(
             self, num_envs, max_episode_steps, observation, estimator, depth_m, law,
             render_mode, autoreset_mode, nthread, width, height, camera, machine, implement,
+            grounds,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
         episodes = FieldWork(
             observation, estimator, depth_m, law, num_envs, threads, machine, implement
         )
-        self._hold(episodes, look, max_episode_steps, mode)
+        self._hold(episodes, look, max_episode_steps, mode, grounds)
 
 
 class WheelSlipVectorEnv(ManyEnv):
@@ -180,17 +182,19 @@ class SlipLineVectorEnv(ManyEnv):
         camera: str = "follow",
         machine: str = USUAL_MACHINE,
         implement: str = USUAL_IMPLEMENT,
+        grounds: Grounds = None,
     ) -> None:
         EzPickle.__init__(
             self, num_envs, max_episode_steps, observation, estimator, actuation,
             render_mode, autoreset_mode, nthread, width, height, camera, machine, implement,
+            grounds,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
         episodes = Traction(
             observation, estimator, actuation, num_envs, threads, machine, implement
         )
-        self._hold(episodes, look, max_episode_steps, mode)
+        self._hold(episodes, look, max_episode_steps, mode, grounds)
 
 
 def _threads(num_envs: int, nthread: int | None) -> int:
