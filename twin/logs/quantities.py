@@ -72,6 +72,7 @@ QUANTITIES: dict[str, dict[str, Quantity]] = {
         "axle_torque": Quantity("torque", "axle_torque_nm", -1e6, 1e6),
         "engine_speed": Quantity("angular rate", "engine_radps", 0.0, 1000.0),
         "engine_load": Quantity("ratio", "engine_load", 0.0, 2.5),
+        "engine_torque": Quantity("ratio", "engine_torque", -1.25, 1.25),
         "fuel_rate": Quantity("fuel rate", "fuel_lph", 0.0, 1000.0),
     },
     "reference": {
