@@ -125,6 +125,7 @@ def test_links_and_pictures_lead_somewhere(page: Path) -> None:
     ("page", "name", "lines"),
     [
         ("your-own-estimator.md", "mine.py", 25),
+        ("your-own-controller.md", "gentle.py", 20),
         ("your-own-scenario.md", "wet_hollow.py", 25),
         ("your-own-sensor.md", "radar.py", 40),
         ("your-own-log-reader.md", "data_logger.py", 25),

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from twin.commands.output import check_folder
 from twin.commands.terminal import progress, say
-from twin.errors import BadInput
+from twin.errors import BadInput, TwinError
 from twin.io.atomic import moved_when_complete
 from twin.pipeline import named as registry
 from twin.pipeline import public
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from twin.pipeline.estimating import Estimator
     from twin.pipeline.result import Result
     from twin.plugins.lookup import Thing
+    from twin.simulation.levers import Controlled
 
 DEFAULT_ESTIMATORS = ",".join(public.DEFAULT_ESTIMATORS)
 
@@ -36,10 +37,16 @@ class Options:
     between where they are given."""
     estimators: str = DEFAULT_ESTIMATORS
     """Estimators, separated by commas: names, or module:Name of your own."""
+    controller: str = ""
+    """Controller that sets throttle and hitch in work, in the driver's place: a name that `twin
+    compare-controllers` knows, module:Name of your own, or FILE.zip, a policy saved by
+    stable-baselines3."""
     figures: Path | None = None
     """Folder for the report's figures as SVG and PDF, one column (85 mm) wide."""
     frames: Path | None = None
     """Folder for the frames of the camera as PNG."""
+    events: Path | None = None
+    """TOML file of events: throttle, shifts, stops and more, by time, place or condition."""
     mask: tuple[float, float] | None = None
     """Mask both GNSS antennas: start of the mask and its duration [s]."""
     view: bool = False
@@ -80,21 +87,32 @@ def execute(
 
     directory = options.out or run_folder.default_directory(_called(scenario, named), scenario.seed)
     run_folder.refuse_foreign(directory)  # before the work, not after it
-    scenario = _masked(scenario, options.mask)
+    scenario = _masked(_with_events(scenario, options.events), options.mask)
     refuse_unread(scenario, named)
     _check_frames(scenario, options.frames)
     check_folder("figures", options.figures)
     estimators = load_estimators(options.estimators)
+    controlled = _controlled(options.controller)
     from twin.pipeline.run import run  # heavy, so only once the input is known to be good
 
     shown = not (options.quiet or options.json)
     with progress(scenario.name, shown=shown) as told, _pngs(options.frames) as frames:
-        result = run(scenario, estimators=estimators, progress=told, frames=frames)
+        result = run(
+            scenario, estimators=estimators, progress=told, frames=frames, controlled=controlled
+        )
         result.save(directory, command=command)
         if options.figures is not None:
             result.figures(options.figures)
     _say(result, directory, options)
     return result, directory
+
+
+def _controlled(controller: str) -> Controlled | None:
+    if not controller:
+        return None
+    from twin.control.on_machine import controlled_by
+
+    return controlled_by(controller)
 
 
 def _called(scenario: Thing, named: Collection[str]) -> str:
@@ -109,6 +127,20 @@ def status(result: Result) -> int:
     for why in result.failed.values():
         print(f"twin: {why}; its estimates are NaN", file=sys.stderr)
     return 1 if result.failed else 0
+
+
+def _with_events(scenario: Thing, path: Path | None) -> Any:
+    """The scenario with the events of a file in place of its own."""
+    if path is None:
+        return scenario
+    if not hasattr(scenario, "events"):
+        raise BadInput(f"--events {path}: scenario '{scenario.name}' has no machine that is driven")
+    from twin.scenario.event_file import read_events
+
+    try:
+        return dataclasses.replace(scenario, events=read_events(path))
+    except TwinError as error:
+        raise BadInput(str(error) if str(path) in str(error) else f"{path}: {error}") from None
 
 
 def _masked(scenario: Thing, mask: tuple[float, float] | None) -> Any:

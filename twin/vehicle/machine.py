@@ -20,6 +20,7 @@ MOST_POINTS = 10
 """Points of a full-load curve, at most: what the parameter block has room for."""
 KINDS = ("diesel", "electric")
 DRIVEN = ("rear", "all")
+TRANSMISSIONS = ("powershift", "synchronised", "cvt", "electric")
 Point = tuple[float, float]
 Place = tuple[float, float, float]
 
@@ -124,6 +125,9 @@ class Engine:
 class Transmission:
     """From the crank to the rear axle."""
 
+    kind: str | None = None
+    """powershift, synchronised, cvt or electric: how its ratio changes; None for electric with a
+    motor, cvt with a cvt_ratio, synchronised with gears, and else powershift."""
     ratios: tuple[float, ...] = ()
     """Engine turns per turn of the rear axle, of each gear."""
     speeds_kmh: tuple[float, ...] = ()
@@ -133,6 +137,16 @@ class Transmission:
     usual_ratio: Annotated[float | None, Range(3, 1000)] = None
     """The gear that is driven where a scenario says none."""
     efficiency: Annotated[float | None, Range(0.4, 1)] = None
+
+    def __post_init__(self) -> None:
+        if self.kind is not None and self.kind not in TRANSMISSIONS:
+            raise UnknownName("transmission.kind", self.kind, TRANSMISSIONS)
+        if self.kind == "cvt" and (self.ratios or self.speeds_kmh):
+            raise BadInput(
+                "transmission.kind = cvt has no gears; cvt_ratio = [least, greatest] would do"
+            )
+        if self.kind != "cvt" and self.kind is not None and self.cvt_ratio is not None:
+            raise BadInput(f"transmission.kind = {self.kind} has no cvt_ratio; kind = cvt would do")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,6 +211,15 @@ class Places:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Numeric:
+    """A number of a hand-made MJCF, replaced."""
+
+    name: str
+    """The documented numeric, as `tyre_rear.free_rolling_radius_m`."""
+    value: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Machine:
     """A tractor: what its file says. What is None is derived by a stated rule, see `twin machine`.
 
@@ -215,6 +238,8 @@ class Machine:
     """Their source."""
     mjcf: str | None = None
     """A hand-made MJCF with the documented numerics, beside the file, in place of a made one."""
+    numerics: tuple[Numeric, ...] = ()
+    """Numerics of the hand-made MJCF that have another value here, as a calibration finds it."""
     implement: str | None = None
     """The implement it usually has: a name or a file; None for a plough by its power."""
     mass_kg: Annotated[float | None, Range(20, 60000)] = None
@@ -257,6 +282,8 @@ class Machine:
             check_given(f"ballast.{i}", weight)
         check_given("", self)
         if self.mjcf is None:
+            if self.numerics:
+                raise BadInput("numerics need a hand-made MJCF; the fields of the file would do")
             _check_needed(self)
         for axle in ("front", "rear"):
             if (code := getattr(self, axle).tyre) is not None:
