@@ -98,7 +98,7 @@ class SideslipEkf:
     """Of its walk [rad2/s]: 0.3 degrees in 10 s, as the draft changes."""
     unfelt_slide: float = 0.005
     """sd of a slide that lasts where no force is felt [rad]: on a road with a camber."""
-    stance_sd: float = 0.002
+    stance_sd: float = 0.0028
     """sd of the body's pitch against level ground [rad]: its axes are those of the tape measure."""
     speed_sd_mps: float = 0.02
     """Least sd of the slip filter's speed [m/s]."""
@@ -108,8 +108,11 @@ class SideslipEkf:
     """sd of the camera's mounting angle [rad]."""
     camera_yaw_psd: float = 1e-12
     """Of its walk [rad2/s]."""
-    camera_sunk_sd: float = 3e-4
-    """sd of what that angle seems to change by as the body leans in a furrow [rad]."""
+    sunk_sd: float = 5e-4
+    """sd of what the antennas seem to be turned by as the body leans in a furrow [rad]: 0.2 degrees
+    by which the IMU is askew, seen 9 degrees from the side."""
+    camera_sunk_sd: float = 1e-4
+    """The same of the camera, which feels no gravity [rad]."""
     camera_scale_sd: float = 0.02
     """sd of the camera's height, and of how far its tilt makes the ground seem nearer."""
     camera_scale_psd: float = 1e-8

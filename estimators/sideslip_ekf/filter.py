@@ -48,7 +48,7 @@ FREE_RAD2, FREE_MPS, FREE_M = 10.0, 10.0, 1e3
 """Variance of a heading, sd of a speed and of a place that nothing is known of."""
 SAME_S = 0.001
 """Instants as near as this are one."""
-LAPSE_S = 0.04
+LAPSE_S = 0.06
 """The covariance is not carried more often than a measurement or this time asks [s]."""
 SHARE = 0.5
 """What of the variance from sample to sample is white: the rest is an engine."""

@@ -9,6 +9,7 @@ from estimators.sideslip_ekf import rows
 from estimators.sideslip_ekf.layout import (
     CAMERA_YAW,
     F_Y,
+    MISALIGNED,
     PITCH,
     PUSH,
     ROLL,
@@ -107,6 +108,7 @@ def _work(slip: float, clear: float, tuning: Record, memory: Record) -> None:
     if pulls and not memory.pulls:
         restart(memory.x, memory.p, PUSH, 0.0, tuning.push_sd**2)
         memory.pulls_s = 0.0
+        memory.p[MISALIGNED, MISALIGNED] += tuning.sunk_sd**2
         memory.p[CAMERA_YAW, CAMERA_YAW] += tuning.camera_sunk_sd**2
     elif memory.pulls and not pulls:
         restart(memory.x, memory.p, PUSH, 0.0, 0.0)
