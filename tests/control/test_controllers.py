@@ -26,7 +26,11 @@ SAME = {"throttle": 0.3, "trim_m": -0.05}
 def seen(slip, target=0.12):
     slip = np.atleast_1d(np.asarray(slip, dtype=float))
     same = np.ones_like(slip)
-    return {"slip": slip, "slip_target": target * same, "depth_target_m": 0.25 * same}
+    return {
+        "slip": slip, "slip_target": target * same, "depth_target_m": 0.25 * same,
+        "depth_m": 0.24 * same, "draft_n": 2e4 * same, "speed_mps": 1.5 * same,
+        "engine_torque_nm": 300.0 * same, "engine_radps": 220.0 * same,
+    }  # fmt: skip
 
 
 def held(controller, slip, steps):
