@@ -104,7 +104,7 @@ def figure(
     right.minorticks_off()
     right.set_xlim(0.4, 2.5)
     right.set_xlabel("simulated over the log's")
-    right.legend(loc="lower right", frameon=False)
+    right.legend(loc="lower left", frameon=False)
     text = io.StringIO()
     drawn.savefig(text, format="svg", metadata={"Date": None})
     return text.getvalue()

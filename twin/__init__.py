@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from twin import errors as errors
     from twin import testing as testing
+    from twin.calibration.calibrate import calibrate as calibrate
     from twin.pipeline.estimating import Estimator as Estimator
     from twin.pipeline.public import estimate as estimate
     from twin.pipeline.public import load as load
@@ -42,6 +43,7 @@ _HOME = {
     "estimate": "twin.pipeline.public",
     "study": "twin.studies.study",
     "tune": "twin.tuning.tune",
+    "calibrate": "twin.calibration.calibrate",
     "Result": "twin.pipeline.result",
     "Estimator": "twin.pipeline.estimating",
     "Scenario": "twin.scenario",
@@ -61,8 +63,8 @@ _MODULES = ("errors", "testing")
 
 __all__ = [
     "Course", "Drive", "Driver", "Estimator", "Event", "Field", "Implement", "Machine", "Plough",
-    "Result", "Scenario", "Sensors", "Soil", "errors", "estimate", "load", "run", "study",
-    "testing", "tune",
+    "Result", "Scenario", "Sensors", "Soil", "calibrate", "errors", "estimate", "load",
+    "run", "study", "testing", "tune",
 ]  # fmt: skip
 
 

@@ -49,6 +49,8 @@ LEAN_SD = 1.0
 """sd of the lean of a body whose accelerometer is missing, for one of 50 samples a second."""
 CHANGE_MPS2 = 1.0
 """sd of what an acceleration changes by while a sample is on its way."""
+ASTRAY_NIS, MOST_ASTRAY = 25.0, 20
+"""Headings further off than five sd, so many in a row, are the truth: the filter begins again."""
 STEP_S = 0.1
 """No step of the covariance is longer."""
 
@@ -139,10 +141,8 @@ def _slide(dt: float, nominal: Record, memory: Record) -> None:
 
 
 @compiled
-def _measure(h: Array, error: float, variance: float, memory: Record) -> None:
-    """X <- Exp(K e) X,  P <- P - K S K^T, for one scalar innovation e."""
-    if not memory.known:
-        return
+def _measure(h: Array, error: float, variance: float, memory: Record) -> float:
+    """X <- Exp(K e) X,  P <- P - K S K^T, for one scalar innovation e; gives e^2 / S."""
     xi = np.zeros(SIZE)
     innovation, total = correct(xi, memory.p, h, error, variance)
     note(memory.notes, innovation, total)
@@ -157,6 +157,7 @@ def _measure(h: Array, error: float, variance: float, memory: Record) -> None:
         memory.gyro_bias[k] += xi[GYRO_BIAS + k]
         memory.accel_bias[k] += xi[ACCEL_BIAS + k]
     memory.front_scale += xi[FRONT_SCALE]
+    return innovation**2 / total
 
 
 @compiled
@@ -180,7 +181,12 @@ def _take_gnss(
         since = age * rates(memory)[2]
         error = v_heading + since - rows.heading(nominal, memory, h)
         error -= 2.0 * math.pi * round(error / (2.0 * math.pi))
-        _measure(h, error, max(sd, HEADING_SD_RAD) ** 2, memory)
+        nis = _measure(h, error, max(sd, HEADING_SD_RAD) ** 2, memory)
+        memory.astray = memory.astray + 1 if nis > ASTRAY_NIS else 0
+        if memory.astray > MOST_ASTRAY and moving:  # a receiver that has found its heading
+            memory.flags |= RESTARTED
+            _begin(raw, nominal, tuning, memory)
+            return
     if moving:
         sd = raw[5] if raw[5] > 0.0 else nominal.velocity_sd_mps
         since_v = age * push(nominal, memory)
@@ -271,6 +277,7 @@ def _start(
     memory.gyro_bias[:] = 0.0
     memory.accel_bias[:] = 0.0
     memory.front_scale = 0.0
+    memory.astray = 0
     memory.p[:, :] = 0.0
     memory.p[FRONT_SCALE, FRONT_SCALE] = tuning.front_scale_sd**2
     turned, f = skew(v), np.eye(SIZE)

@@ -36,6 +36,7 @@ MEMORY = np.dtype(
         ("flags", "i8"),
         ("known", "i8"),
         ("placed", "i8"),
+        ("astray", "i8"),
         ("world_from_body", "f8", (3, 3)),
         ("v", "f8", 3),
         ("u", "f8", 3),
@@ -56,4 +57,5 @@ MEMORY = np.dtype(
 """`v`: velocity of the inertial unit in the world; `u`: what the driven wheels turn faster by, and
 skid by, in the world; `placed`: 1 once GNSS has told where north is; `gyro`, `accel`: the newest
 sample as measured, NaN where it has none; `rim_mps`: the driven wheels' newest speed;
-`heading_rad`: of the antennas' baseline, at `heading_ns`."""
+`heading_rad`: of the antennas' baseline, at `heading_ns`; `astray`: how many headings in a row
+were far off."""

@@ -3,14 +3,15 @@
     R' = R (w - b_g - n_g)^,   v' = R (f - b_f - n_f) + g,   u' = R n_u
     b_g', b_f' and the rate of the towed wheels' scale are white
 
-With the error X = Exp(xi) X^ the model is group-affine but for the biases, so the error's own law
-does not depend on the attitude:
+With the error X = Exp(xi) X^ the model is group-affine but for the biases, so with all axes of the
+unit the error's own law does not depend on the attitude:
 
-    phi' = -R (b_g + n_g)
-    nu'  = g^ phi - R (b_f + n_f) - v^ R (b_g + n_g)
-    mu'  = R n_u - u^ R (b_g + n_g)
+    phi' = -R (G b_g + n_g)
+    nu'  = R M R^T g^ phi - R (M b_f + n_f) - v^ R (G b_g + n_g)
+    mu'  = R n_u - u^ R (G b_g + n_g)
 
-Here b_g and b_f are the biases' errors, and v^ the matrix of v x.
+Here b_g and b_f are the biases' errors, and v^ the matrix of v x. G and M are the identity with a
+gyro and an accelerometer at each axis; where one is missing that rate or acceleration is noise.
 """
 
 from __future__ import annotations
@@ -44,6 +45,15 @@ def gravity() -> Array:
     fall = np.zeros(3)
     fall[2] = -GRAVITY_MPS2
     return fall
+
+
+@compiled
+def there(sample: Array) -> Array:
+    """Diagonal matrix, (3, 3), with 1 for each axis that is measured."""
+    out = np.zeros((3, 3))
+    for i in range(3):
+        out[i, i] = 1.0 if math.isfinite(sample[i]) else 0.0
+    return out
 
 
 @compiled
@@ -108,20 +118,23 @@ def transition(error_law: Array, dt: float) -> Array:
 def law(nominal: Record, tuning: Record, memory: Record) -> tuple[Array, Array]:
     """A of the error's law xi' = A xi + B n, and B times the root of n's density."""
     r = np.ascontiguousarray(memory.world_from_body)
-    by_v, by_u = times(skew(memory.v), r), times(skew(memory.u), r)
-    fall = skew(gravity())
+    pushed, turned = times(r, there(memory.accel)), times(r, there(memory.gyro))
+    by_v, by_u = skew(memory.v), skew(memory.u)
+    noisy_v, noisy_u = times(by_v, r), times(by_u, r)
+    by_v, by_u = times(by_v, turned), times(by_u, turned)
+    fall = times(times(pushed, np.ascontiguousarray(r.T)), skew(gravity()))
     gyro, accel = _densities(nominal, tuning, memory)
     a, b = np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
     for i in range(3):
         for k in range(3):
             a[VELOCITY + i, ATTITUDE + k] = fall[i, k]
-            a[ATTITUDE + i, GYRO_BIAS + k] = -r[i, k]
+            a[ATTITUDE + i, GYRO_BIAS + k] = -turned[i, k]
             a[VELOCITY + i, GYRO_BIAS + k] = -by_v[i, k]
             a[SLIP + i, GYRO_BIAS + k] = -by_u[i, k]
-            a[VELOCITY + i, ACCEL_BIAS + k] = -r[i, k]
+            a[VELOCITY + i, ACCEL_BIAS + k] = -pushed[i, k]
             b[ATTITUDE + i, k] = -r[i, k] * math.sqrt(gyro[k])
-            b[VELOCITY + i, k] = -by_v[i, k] * math.sqrt(gyro[k])
-            b[SLIP + i, k] = -by_u[i, k] * math.sqrt(gyro[k])
+            b[VELOCITY + i, k] = -noisy_v[i, k] * math.sqrt(gyro[k])
+            b[SLIP + i, k] = -noisy_u[i, k] * math.sqrt(gyro[k])
             b[VELOCITY + i, 3 + k] = -r[i, k] * math.sqrt(accel[k])
             b[SLIP + i, 6 + k] = r[i, k] * math.sqrt(tuning.skid_psd if k else tuning.slip_psd)
         b[GYRO_BIAS + i, 9 + i] = math.sqrt(tuning.gyro_bias_psd)

@@ -12,7 +12,7 @@ import numpy as np
 
 from estimators.inekf.group import skew, times, turn, turn_back
 from estimators.inekf.layout import ATTITUDE, FRONT_SCALE, GYRO_BIAS, SLIP, VELOCITY
-from estimators.inekf.motion import rates
+from estimators.inekf.motion import rates, there
 from estimators.kalman import Array, Record
 from twin.compute.compiled import compiled
 
@@ -28,12 +28,13 @@ def along(axis: int, slipping: bool, nominal: Record, memory: Record, h: Array) 
         moving += memory.u
     place = np.ascontiguousarray(nominal.imu_m)
     lever = skew(place)
+    by_bias = times(lever, there(memory.gyro))
     h[:] = 0.0
     for k in range(3):
         h[VELOCITY + k] = memory.world_from_body[k, axis]
         if slipping:
             h[SLIP + k] = memory.world_from_body[k, axis]
-        h[GYRO_BIAS + k] = -lever[axis, k]
+        h[GYRO_BIAS + k] = -by_bias[axis, k]
     turning = turn(lever, rates(memory))  # -w x l = l x w
     return float(turn_back(memory.world_from_body, moving)[axis] + turning[axis])
 
@@ -58,7 +59,8 @@ def antenna(axis: int, nominal: Record, memory: Record, h: Array) -> float:
     lever = skew(place)
     swung = turn(memory.world_from_body, -turn(lever, rates(memory)))
     speed = memory.v + swung
-    turned, by_bias = skew(speed), times(memory.world_from_body, lever)
+    turned = skew(speed)
+    by_bias = times(memory.world_from_body, times(lever, there(memory.gyro)))
     h[:] = 0.0
     for k in range(3):
         h[ATTITUDE + k] = -turned[axis, k]

@@ -87,7 +87,8 @@ def test_each_tractor_is_driven_by_its_own_slip_and_within_the_bounds(name):
         for _ in range(20):
             alone_state, alone = controller.act(alone_state, seen(slip), PERIOD_S)
         np.testing.assert_allclose(together[i], alone[0], atol=1e-14)
-    assert np.all(np.diff(together[:, 1]) <= 1e-12)  # more slip, never deeper
+    if name != "extremum":  # which looks for the best slip, and knows no target
+        assert np.all(np.diff(together[:, 1]) <= 1e-12)  # more slip, never deeper
 
 
 def test_what_a_controller_sees_it_cannot_change():

@@ -11,7 +11,8 @@ from estimators.ratio import RATIO
 from twin.pipeline import named as registry
 from twin.streams import Streams, check, concatenate
 from twin.testing import CHECKS, check_estimator, drives
-from twin.testing.checks import SETUP, check_restart, check_reverse, run, sample_streams
+from twin.testing.checks import SETUP, run, sample_streams
+from twin.testing.stops import check_restart, check_reverse
 
 STREAMS = sample_streams()
 

@@ -23,7 +23,7 @@ class CompareControllers(Output):
     """Compare slip controllers: each drives over the same held-out grounds."""
 
     env: str = "Plough-v0"
-    """Environment: Plough-v0 or WheelSlip-v0."""
+    """Environment: Plough-v1, WheelSlip-v1, Plough-v0 or WheelSlip-v0."""
     episodes: int = 50
     """How many held-out grounds each controller drives over."""
     controllers: str = ""
@@ -46,13 +46,16 @@ def main(args: Sequence[str]) -> int:
     if options.observation not in OBSERVATIONS:
         raise UnknownName("observation", options.observation, OBSERVATIONS)
     check_files(json=options.json, report=options.report)
-    from twin.control import chosen, compare, trials
+    from twin.control import chosen, compare, front, trials
 
     if options.env not in trials.ENVIRONMENTS:
         raise UnknownName("environment", options.env, trials.ENVIRONMENTS)
     setup = trials.setup(options.env, options.observation)
     wanted = options.controllers or ",".join(trials.ENVIRONMENTS[options.env][1])
     controllers = chosen.named(wanted, setup)
+    controllers = compare.with_oracle(
+        controllers, options.env, options.episodes, options.duration_s
+    )
     with progress("comparing", shown=options.talks) as told:
         done = compare.compare(
             controllers,
@@ -63,8 +66,11 @@ def main(args: Sequence[str]) -> int:
             options.env,
         )
     found = compare.rows(done.measured, against=_against(done.measured))
+    shares = [*compare.regrets(done), *front.front_rows(options.env, done.measured)]
     if options.talks and done.measured:
         print_comparison(found, list(done.measured), options.episodes)
+        print_shares(shares)
+    found = [*found, *shares]
     for why in done.failed.values():
         print(f"twin: {why}", file=sys.stderr)
     deliver(found, options.json)
@@ -120,6 +126,19 @@ def print_comparison(
         style="italic",
     )
     print_table(columns)
+
+
+def print_shares(found: Sequence[Mapping[str, Plain]]) -> None:
+    """The oracle's headroom over the PI, each controller's share of it by tier, and the front."""
+    from twin.control import front
+
+    on = [row["case"] for row in found if row["quantity"] == front.ON_FRONT and row["ours"]]
+    for row in found:
+        if "high" in row:
+            half = 0.5 * (row["high"] - row["low"])
+            say(f"{row['case']}: {row['quantity']} = {row['ours']:.3f} ± {half:.3f}")
+    if on:
+        say(f"{front.ON_FRONT}: {', '.join(on)}")
 
 
 def _cell(row: Mapping[str, Plain] | None) -> str:

@@ -26,5 +26,5 @@ BASELINES: dict[str, Controller] = {
         throttle=0.869, trim_m=-0.0459, slip_weight=3.03, move_weight=2.32, learn_s=0.35
     ),
 }
-"""Gains found by `python -m twin.control.tune Plough-v0`; their mean rewards on the training grounds
-are 0.7846, 0.7942, 0.7923, 0.7839, 0.7764, 0.7806, 0.7849 in this order."""
+"""Gains found by `python -m twin.control.tune Plough-v0`; their mean rewards on its grounds are
+0.7846, 0.7942, 0.7923, 0.7839, 0.7764, 0.7806, 0.7849 in this order."""

@@ -11,7 +11,10 @@ from numpy.typing import NDArray
 from twin.compute.mean import mean
 from twin.control.judged import UNITS
 from twin.control.own import AnyController
+from twin.control.plans import DURATION_S, shipped
+from twin.control.regret import TIERS, regret_rows
 from twin.control.trials import ENVIRONMENTS, HELD_OUT, drive
+from twin.env.many import ManyEnv
 from twin.errors import TwinError
 from twin.io.result_rows import Row, Rows, row
 
@@ -29,6 +32,8 @@ class Compared:
     """By controller, then by quantity, arrays of shape (episodes,)."""
     failed: dict[str, str]
     """Controller -> why it failed."""
+    tiers: NDArray[np.str_] | None = None
+    """Difficulty of each ground, where the environment has tiers."""
 
 
 def compare(
@@ -52,7 +57,8 @@ def compare(
         environment: one of `ENVIRONMENTS`.
     """
     env = ENVIRONMENTS[environment][0](episodes, observation=observation)
-    seeds, done = [HELD_OUT + i for i in range(episodes)], Compared({}, {})
+    seeds = [HELD_OUT + i for i in range(episodes)]
+    done = Compared({}, {}, tiers_of(env, environment, seeds))
     for i, (name, controller) in enumerate(controllers.items()):
         part = _part(progress, i, len(controllers))
         try:
@@ -61,6 +67,26 @@ def compare(
             done.failed[name] = str(error)
     env.close()
     return done
+
+
+def with_oracle(
+    controllers: Mapping[str, AnyController], environment: str, episodes: int, duration_s: float
+) -> dict[str, AnyController]:
+    """The controllers, and the oracle where a PI is among them and its plans reach so far."""
+    plans = shipped(environment)
+    fits = plans is not None and episodes <= len(plans.knots) and duration_s <= DURATION_S
+    if plans is None or not fits or "pi" not in controllers:
+        return dict(controllers)
+    return {**controllers, "oracle": plans}
+
+
+def tiers_of(env: ManyEnv, environment: str, seeds: Sequence[int]) -> NDArray[np.str_] | None:
+    """The tier of the ground of each seed; None for an environment without tiers."""
+    if environment not in TIERS:
+        return None
+    _, drawn = env.reset(seed=seeds)
+    grounds = [{n: v[i] for n, v in drawn.items() if n[0] != "_"} for i in range(len(seeds))]
+    return np.array([TIERS[environment](ground) for ground in grounds])
 
 
 def _part(progress: Callable[[float], None], i: int, count: int) -> Callable[[float], None]:
@@ -84,6 +110,14 @@ def rows(measured: Mapping[str, Mapping[str, Array]], against: Sequence[str] = (
                     paired = quantity + PAIRED.format(other)
                     out.append(_row(name, paired, difference, UNITS[quantity]))
     return out
+
+
+def regrets(done: Compared) -> Rows:
+    """Headroom and shares of it by tier; none without an oracle and a PI."""
+    rewards = {name: quantities["reward"] for name, quantities in done.measured.items()}
+    if done.tiers is None or not {"pi", "oracle"} <= rewards.keys():
+        return []
+    return regret_rows(rewards, done.tiers)
 
 
 def _row(case: str, quantity: str, values: Array, unit: str) -> Row:

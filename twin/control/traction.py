@@ -35,6 +35,6 @@ class TractionPI(TorquePI):
 
 TRACTION_BASELINES: dict[str, Controller] = {
     "constant": ConstantTorque(feed=0.5),
-    "pi": TractionPI(feed=0.5, kp=0.5, ki_ps=5.0, slip_set=0.1, line_pm=0.1),
+    "pi": TractionPI(feed=0.68, kp=1.11, ki_ps=3.42, slip_set=0.107, line_pm=0.998),
 }
 """Gains found by `python -m twin.control.tune WheelSlip-v1`."""

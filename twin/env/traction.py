@@ -87,7 +87,8 @@ class Traction(Episodes):
         """
         latest, setup = self.instruments[i].latest, self.instruments[i].setup.gnss
         assert setup is not None
-        heading = math.remainder(latest["gnss.heading_rad"], 2.0 * math.pi)
+        askew = latest["gnss.heading_rad"] - setup.heading_mount_rad
+        heading = math.remainder(askew, 2.0 * math.pi)
         place = np.array([latest[f"gnss.{axis}_m"] for axis in ("east", "north", "up")])
         across = float(self.fleet.world_from_ground[i][:, 1] @ place)
         ahead, aside = setup.lever_arm_m[:2]
