@@ -28,8 +28,8 @@ def seen(slip, target=0.12):
     same = np.ones_like(slip)
     return {
         "slip": slip, "slip_target": target * same, "depth_target_m": 0.25 * same,
-        "depth_m": 0.25 * same, "draft_n": 2e4 * same, "speed_mps": 1.5 * same,
-        "engine_load": 0.6 * same, "engine_radps": 190.0 * same,
+        "depth_m": 0.24 * same, "draft_n": 2e4 * same, "speed_mps": 1.5 * same,
+        "engine_torque_nm": 300.0 * same, "engine_radps": 220.0 * same,
     }  # fmt: skip
 
 
