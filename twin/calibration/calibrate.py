@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.calibration import gears, verdicts
+from twin.calibration import drive_fit, gears, verdicts
 from twin.calibration.fitting import Fit, Remember
 from twin.calibration.held_out import Score
 from twin.calibration.seconds import seconds
@@ -60,33 +60,38 @@ def calibrate(
     machine: str = "taishan_1404a",
     reader: str | Reader | None = None,
     *,
-    parameters: Sequence[str] = PARAMETERS,
+    parameters: Sequence[str] = (),
     soil: str = "tilled",
     fit_part: tuple[float, float] = FIT_PART,
     held_part: tuple[float, float] = HELD_PART,
     all_wheel_drive: bool | None = None,
     seed: int = 0,
     starts: int = 3,
+    nthread: int = 2,
     remember: Remember = lambda key, find: find(),
     told: Callable[[str], None] = lambda what: None,
 ) -> Calibration:
     """Find the machine and the soil that explain a log.
 
-    The log's rows of steady work are explained by the steady state of the laws that the twin runs
-    on (`twin.calibration.steady`). A part of the log is never fitted: its slip is foretold, and
-    scored beside a constant and a straight line.
+    A log of counts, axle torque and depth is explained by the machine itself, which is driven in
+    the same way (`twin.calibration.rollouts`). Rows of steady work in the log of a tractor's bus
+    are explained by the steady state of the laws it runs on (`twin.calibration.steady`). A part of
+    the log is never fitted: its slip is foretold, and scored beside a constant and a straight line.
 
     Args:
         log: a run folder, a table, NMEA, CAN, UBX, a bag, or what `reader` reads; or several files.
         column_map: TOML that says which column is what, and in which unit.
         machine: a name of `twin list`, or a file: what is believed before the log.
         reader: what reads the log, or its name.
-        parameters: what is fitted; the rest keeps the machine's and the soil's values.
+        parameters: what is fitted, by default all that such a log may tell of; the rest keeps the
+            machine's and the soil's values.
         soil: the preset that is believed before the log.
-        fit_part, held_part: shares of the log's steady work, in the order of time, from and to.
+        fit_part, held_part: shares of the log's steady work, in the order of time, from and to; a
+            log along which the machine is driven has its last quarter held out.
         all_wheel_drive: whether the front wheels drove; None for what the machine usually has.
         seed: of the random starts, and of the draws of blocks.
         starts: how many searches begin, the first at the prior.
+        nthread: threads that drive the machine.
         remember: keeps what was found before the process was killed.
         told: called with what is being done.
 
@@ -109,22 +114,28 @@ def calibrate(
             f"{fit_part[0]:g}:{fit_part[1]:g}; what is held out is never fitted"
         )
     given, ground = files.machine(machine), Soil(preset=soil)
-    prior = prior_of(given, ground, parameters)
     by = logs.reader(reader) if isinstance(reader, str) else reader
     paths = [Path(log)] if isinstance(log, str | Path) else [Path(each) for each in log]
     read = logs.read(paths, None if column_map is None else Path(column_map), by)
     told("reading what the log says")
     lag_s = _lag_s(read)  # which steady rows do not feel
     table = seconds(read)
-    rows = steady_rows(read, table, _torque(table))
-    _check_machine(given, rows)
-    part = parted(rows, fit_part, held_part)
     driven = given.drive.driven == "all" if all_wheel_drive is None else all_wheel_drive
     told("fitting")
-    found, score = fitted_to(
-        given, ground, prior, part, all_wheel_drive=driven, seed=seed, starts=starts,
-        remember=remember,
-    )  # fmt: skip
+    if drive_fit.can(table):
+        whole = drive_fit.fitted_to(
+            given, ground, parameters or drive_fit.PARAMETERS, read, table, seed=seed,
+            all_wheel_drive=driven, starts=starts, nthread=nthread, remember=remember,
+        )  # fmt: skip
+        found, score = whole.fit, whole.score
+    else:
+        prior = prior_of(given, ground, parameters or PARAMETERS)
+        rows = steady_rows(read, table, _torque(table))
+        _check_machine(given, rows)
+        found, score = fitted_to(
+            given, ground, prior, parted(rows, fit_part, held_part), all_wheel_drive=driven,
+            seed=seed, starts=starts, remember=remember,
+        )  # fmt: skip
     from twin.calibration.applied import machine_with, soil_with
 
     said = [misfit_said(found), *(_bound_said(f) for f in verdicts.found(found))]

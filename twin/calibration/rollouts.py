@@ -108,7 +108,8 @@ class Rollouts:
     """Parameters that are not fitted."""
 
     def __post_init__(self) -> None:
-        self.measured, self.covariance = self.evidence.measured, self.evidence.covariance
+        self.measured = self.evidence.measured
+        self.covariance: Array | None = self.evidence.covariance
         self.time_s, self.floor = self.evidence.time_s, self.evidence.floor
         self._started: tuple[Machine, dict[bool, Snapshot]] | None = None
         self._simulations: dict[int, Simulation] = {}

@@ -66,10 +66,9 @@ def main(args: Sequence[str]) -> int:
         raise BadInput("no machine is named; --machine with a name of twin list, or a file")
     parts = {name: _part(name, getattr(options, name)) for name in ("fit", "holdout")}
     from twin.calibration.calibrate import calibrate
-    from twin.calibration.steady_fit import PARAMETERS
     from twin.calibration.written import plain, write
 
-    names = tuple(n.strip() for n in options.parameters.split(",") if n.strip()) or PARAMETERS
+    names = tuple(n.strip() for n in options.parameters.split(",") if n.strip())
     found = calibrate(
         options.log, options.map, options.machine, options.reader, parameters=names,
         soil=options.soil, fit_part=parts["fit"], held_part=parts["holdout"], seed=options.seed,
