@@ -88,7 +88,8 @@ def calibrate(
         soil: the preset that is believed before the log.
         fit_part, held_part: shares of the log's steady work, in the order of time, from and to; a
             log along which the machine is driven has its last quarter held out.
-        all_wheel_drive: whether the front wheels drove; None for what the machine usually has.
+        all_wheel_drive: whether the front wheels drove; None for what their counts say, or without
+            counts for what the machine has.
         seed: of the random starts, and of the draws of blocks.
         starts: how many searches begin, the first at the prior.
         nthread: threads that drive the machine.
@@ -120,18 +121,18 @@ def calibrate(
     told("reading what the log says")
     lag_s = _lag_s(read)  # which steady rows do not feel
     table = seconds(read)
-    driven = given.drive.driven == "all" if all_wheel_drive is None else all_wheel_drive
     told("fitting")
     if drive_fit.can(table):
         whole = drive_fit.fitted_to(
             given, ground, parameters or drive_fit.PARAMETERS, read, table, seed=seed,
-            all_wheel_drive=driven, starts=starts, nthread=nthread, remember=remember,
+            all_wheel_drive=all_wheel_drive, starts=starts, nthread=nthread, remember=remember,
         )  # fmt: skip
         found, score = whole.fit, whole.score
     else:
         prior = prior_of(given, ground, parameters or PARAMETERS)
         rows = steady_rows(read, table, _torque(table))
         _check_machine(given, rows)
+        driven = given.drive.driven == "all" if all_wheel_drive is None else all_wheel_drive
         found, score = fitted_to(
             given, ground, prior, parted(rows, fit_part, held_part), all_wheel_drive=driven,
             seed=seed, starts=starts, remember=remember,

@@ -83,7 +83,7 @@ def _belief(machine: Machine, soil: Soil, name: str, rows: Table) -> tuple[float
 
 def fitted_to(
     machine: Machine, soil: Soil, names: Sequence[str], log: Log, rows: Table, *,
-    all_wheel_drive: bool, seed: int, starts: int, nthread: int, remember: Remember,
+    all_wheel_drive: bool | None, seed: int, starts: int, nthread: int, remember: Remember,
 ) -> DriveFit:  # fmt: skip
     """The fit to the segments of a log, and how it foretells those that are held back.
 
@@ -99,7 +99,8 @@ def fitted_to(
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = rows["engine_radps"] * radii["rl"] / rows["wheel_speed_mps"]
     gear = Gear(float(np.nanmedian(ratio[np.isfinite(ratio)])))
-    drawn = Drawn(machine, implement, soil, depth_m, all_wheel_drive)
+    driven = front_drives(rows, parts) if all_wheel_drive is None else all_wheel_drive
+    drawn = Drawn(machine, implement, soil, depth_m, driven)
     prior = prior_of(machine, soil, names, rows)
     own, held = (
         evidence(rows, [s for s in parts if s.held_back is back]) for back in (False, True)
@@ -114,6 +115,19 @@ def fitted_to(
 
     found = fit(model(own), prior, seed=seed, starts=starts, remember=remember)
     return DriveFit(found, _scored(model(held), found, own, held, rows, seed))
+
+
+def front_drives(rows: Table, parts: Sequence[Segment]) -> bool:
+    """Whether the front wheels drive: at work they then slip as the rear ones do.
+
+    Driven where their slip is above half of the rear wheels', 1 - v / (w R).
+    """
+    at = np.concatenate([np.arange(len(rows["speed_mps"]))[s.rows] for s in parts if s.working])
+    speed = rows["speed_mps"][at]
+    front, rear = (
+        np.nanmedian(1.0 - speed / rows[f"{w}_speed_mps"][at]) for w in ("front", "wheel")
+    )
+    return bool(front > 0.5 * rear)
 
 
 def _scored(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from twin.errors import BadInput
 
 if TYPE_CHECKING:
     from twin.calibration.calibrate import Calibration
+    from twin.calibration.held_out import Score
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,6 +86,12 @@ def main(args: Sequence[str]) -> int:
     return 0
 
 
+def _gain(score: Score) -> str:
+    if math.isnan(score.gain_low):
+        return "too few blocks to tell it from the line"
+    return f"gain over the line {score.gain_low:+.4f} to {score.gain_high:+.4f}: {score.verdict}"
+
+
 def _part(name: str, text: str) -> tuple[float, float]:
     try:
         first, last = (float(each) for each in text.split(":"))
@@ -108,7 +116,9 @@ def _print(found: Calibration) -> None:
         if value.verdict != "identified":
             say(f"{value.name}: {value.settles} would settle it", indent=2)
     gears = ", ".join(f"{g.name} ({g.share:.0%} of the time)" for g in found.gears)
-    say(f"gears: {gears or 'none found'}; the receiver's speed is {found.lag_s:.2f} s late")
+    say(f"gears: {gears or 'none found'}")
+    if math.isfinite(found.lag_s):
+        say(f"the receiver's speed is {found.lag_s:.2f} s late")
     score = found.holdout
     print_table([
         Column(heading="held out, slip", text=True,
@@ -118,8 +128,7 @@ def _print(found: Calibration) -> None:
     ])  # fmt: skip
     say(
         f"{score.rows} rows, {score.blocks} blocks of five minutes; {score.coverage:.0%} in their "
-        f"95 % band; gain over the line {score.gain_low:+.4f} to {score.gain_high:+.4f}: "
-        f"{score.verdict}"
+        f"95 % band; {_gain(score)}"
     )
     for note in found.notes:
         say(note)
