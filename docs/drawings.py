@@ -19,7 +19,12 @@ def main() -> None:
 
 def drawings() -> dict[str, str]:
     """File name -> SVG text."""
-    return {"slip.svg": slip(), "sideslip.svg": sideslip(), "frames.svg": frames()}
+    return {
+        "slip.svg": slip(),
+        "slip-signs.svg": slip_signs(),
+        "sideslip.svg": sideslip(),
+        "frames.svg": frames(),
+    }
 
 
 def slip() -> str:
@@ -44,6 +49,45 @@ def slip() -> str:
         _text(hub_x + 158, 215, "s = (ωR − v) / max(|ωR|, |v|)", INK, size=18),
     ]
     return _svg(640, 300, "Slip of a wheel", parts)
+
+
+def slip_signs() -> str:
+    """The plane of the two speeds: where slip is positive, and where it is beyond 1."""
+    x, y, half = 330.0, 265.0, 220.0
+    left, right, top, bottom = x - half, x + half, y - half, y + half
+    parts = [
+        f'<path d="M{left} {bottom} L{left} {top} L{right} {top} z" fill="#fbe9dd"/>',
+        f'<path d="M{left} {bottom} L{right} {bottom} L{right} {top} z" fill="#dcebf5"/>',
+        f'<path d="M{x} {y} L{left} {y} L{left} {top} L{x} {top} z" fill="{RED}" opacity=".18"/>',
+        f'<path d="M{x} {y} L{right} {y} L{right} {bottom} L{x} {bottom} z" fill="{BLUE}" '
+        'opacity=".18"/>',
+        _line(left, bottom, right, top, INK),
+        _line(left, top, right, bottom, SOFT, dash=True),
+        _arrow(left, y, right + 22, y, INK),
+        _arrow(x, bottom, x, top - 22, INK),
+        f'<rect x="{x - 16}" y="{y - 16}" width="32" height="32" fill="#fff" stroke="{INK}"/>',
+        _text(x, y + 5, "rest", INK, size=13, anchor="middle"),
+        _text(right + 26, y + 5, "v", INK, size=18),
+        _text(x + 10, top - 12, "ωR", INK, size=18),
+        _text(right + 4, top - 2, "s = 0", INK),
+        _text(x - 10, top - 12, "s = 1", RED, anchor="end"),
+        _text(left - 6, y + 5, "s = 1", RED, anchor="end"),
+        _text(left - 6, top + 5, "s = 2", RED, anchor="end"),
+        _text(x, bottom + 20, "s = −1", BLUE, anchor="middle"),
+        _text(right + 4, y + 24, "s = −1", BLUE),
+        _text(right + 4, bottom + 4, "s = −2", BLUE),
+        *_lines(x + 66, top + 46, ("drives forward", "0 &lt; s &lt; 1"), RED),
+        *_lines(x + 142, y - 64, ("brakes forward", "−1 &lt; s &lt; 0"), BLUE),
+        *_lines(x - 66, y - 182, ("wheels forward,", "slides backward", "1 &lt; s ≤ 2"), RED),
+        *_lines(x + 66, y + 146, ("wheels backward,", "slides forward", "−2 ≤ s &lt; −1"), BLUE),
+        *_lines(x - 142, y + 48, ("brakes backward", "0 &lt; s &lt; 1"), RED),
+        *_lines(x - 66, bottom - 46, ("drives backward", "−1 &lt; s &lt; 0"), BLUE),
+    ]
+    return _svg(660, 520, "Signs of slip over the speeds of ground and wheel", parts)
+
+
+def _lines(x: float, y: float, lines: tuple[str, ...], colour: str) -> list[str]:
+    return [_text(x, y + 19 * i, line, colour, anchor="middle") for i, line in enumerate(lines)]
 
 
 def sideslip() -> str:

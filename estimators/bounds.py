@@ -5,8 +5,11 @@ equation: of the filter for a causal estimator, of the smoother for one that wor
 model here is the best there can be of a motion that was driven: a vector autoregression fitted to
 the truth itself, so no estimator that has to guess at the motion can know it better.
 
-Errors that are constant over a run (radius, mounting angle, bias) are left out: score the bias
-apart.
+Every stream counts that estimators see: GNSS, accelerometer, gyro, counters, a camera's speeds, and
+the loads of the machine's bus as far as they tell the slip.
+
+Errors that are constant over a run (radius, mounting angle, a camera's height, bias) are left out:
+score the bias apart.
 
 Source: Tichavsky, Muravchik and Nehorai 1998, IEEE Trans. SP 46, 1386.
 
@@ -30,6 +33,12 @@ ORDER = 10
 """Order of the autoregression: 0.2 s at 50 Hz, the phase of a 2 Hz pitching."""
 ACCEL_BIAS_PSD = 1e-8
 """A bias that is all but constant [m2/s5]."""
+GYRO_BIAS_PSD = 1e-12
+"""The same of a gyro [rad2/s3]."""
+LOADS = ("draft_pin_n", "axle_torque_nm", "engine_load", "fuel_lph", "engine_radps", "hitch_m")
+"""What of the machine's bus tells the slip."""
+EXACT = 1e-10
+"""Variance of a row whose noise is a state."""
 HIDDEN_PERIODS = 3.0
 """GNSS is hidden where there is no speed of it for so many of its periods."""
 
@@ -82,18 +91,16 @@ def bound(
     step_s = float(np.median(np.diff(time)))
     part = {name: column[inside] for name, column in truth.items()}
     motion = _motion(part, setup, step_s)
-    system, of = _along(setup, streams, part, motion, step_s, truth)
+    along = _along(setup, streams, part, motion, step_s, truth)
     hidden = _hidden(streams, part["epoch_ns"])
     first, last = within_s or window_s
     wanted = (time[inside] >= first) & (time[inside] <= last)
-    seen = np.array([(name != "gnss") | ~hidden for name in of]).T.reshape(len(hidden), len(of))
-    slip = _variances(system, seen, wanted, 2 * ORDER + 1)
-    speed = _variances(system, seen, wanted, 2 * ORDER)
+    slip, speed = (_variances(along, hidden, wanted, along.at[name]) for name in ("slip", "speed"))
     mean_speed = max(float(np.mean(np.abs(part["speed_mps"]))), 0.05)
     across = _across(setup, streams, part, step_s)
     side = (np.nan, np.nan)
     if across is not None:
-        side = _variances(across, ~hidden[:, None], wanted, len(across.transition) - 1)
+        side = _variances(across, hidden, wanted, across.at["v_y"])
     unseen, usual = float(np.var(motion.unseen)), float(np.var(motion.slip))
     known = [1.0 / (1.0 / each + 1.0 / usual) if hidden.any() else each for each in slip]
     return Bound(
@@ -105,11 +112,23 @@ def bound(
     )
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Model:
+    system: System
+    of: list[str]
+    """The sensor that each row is of."""
+    at: dict[str, int]
+    """Index of the states whose bounds are wanted."""
+
+
 def _variances(
-    system: System, seen: NDArray[np.bool_], wanted: NDArray[np.bool_], state: int
+    model: _Model, hidden: NDArray[np.bool_], wanted: NDArray[np.bool_], state: int
 ) -> tuple[float, float]:
     """Mean variance of a state over the wanted steps, by filter and by smoother."""
-    causal, offline = riccati.through(system, seen, state)
+    seen = np.empty((len(hidden), len(model.of)), bool)
+    for row, sensor in enumerate(model.of):
+        seen[:, row] = (sensor != "gnss") | ~hidden
+    causal, offline = riccati.through(model.system, seen, state)
     return float(np.mean(causal[wanted])), float(np.mean(offline[wanted]))
 
 
@@ -170,17 +189,18 @@ def _centred(values: Array) -> Array:
 
 def _along(
     setup: Setup, streams: Streams, part: Table, motion: _Motion, step_s: float, truth: Table
-) -> tuple[System, list[str]]:
-    """The system, and which sensor each row is of.
+) -> _Model:
+    """The motion along the body, and what measures it.
 
-    States: ORDER past increments of (v, s), v, s, past v, travels, accelerometer bias, skid.
+    States: ORDER past increments of (v, s), v, s, past v, travels, accelerometer bias, skid, and
+    how far the slip that the loads tell is off.
     """
     speed = np.asarray(part["speed_mps"], np.float64)
-    late = {s: _late_steps(streams, s, step_s) for s in ("gnss", "imu")}
-    past = max(late["gnss"], 1)
+    late = {s: _late_steps(streams, s, step_s) for s in ("gnss", "imu", "camera")}
+    past = max(late["gnss"], late["camera"], 1)
     v, s = 2 * ORDER, 2 * ORDER + 1
-    rear, front, bias, skid = (2 * ORDER + 2 + past + i for i in range(4))
-    size = skid + 1
+    rear, front, bias, skid, load = (2 * ORDER + 2 + past + i for i in range(5))
+    size = load + 1
     f, q = np.zeros((size, size)), np.zeros((size, size))
     weights, noise = _autoregression(np.diff(np.stack([speed, motion.slip], 1), axis=0))
     f[:2, : 2 * ORDER], q[:2, :2] = weights, noise
@@ -199,6 +219,8 @@ def _along(
     f[front, [front, v, skid]] = 1.0, step_s, step_s * mean_v
     f[bias, bias], q[bias, bias] = 1.0, ACCEL_BIAS_PSD * step_s
     f[skid, skid], q[skid, skid] = _gauss_markov(motion.skid)
+    off = _off_by_load(streams, part, motion.slip)
+    f[load, load], q[load, load] = _gauss_markov(off)
     q += np.eye(size) * 1e-14
     rows, variances, of = [], [], []
 
@@ -212,9 +234,12 @@ def _along(
 
     if setup.gnss is not None and "gnss" in streams and len(streams["gnss"]["epoch_ns"]):
         per_step = step_s / _period_s(streams, "gnss")
-        measure(
-            "gnss", {s + past if late["gnss"] else v: 1.0}, setup.gnss.velocity_sd_mps**2 / per_step
-        )
+        measure("gnss", {_ago(v, s, late["gnss"]): 1.0}, setup.gnss.velocity_sd_mps**2 / per_step)
+    if _seen(streams, "v_x_mps") > 1:
+        variance = _camera_var(streams, "var_x_m2ps2", step_s)
+        measure("camera", {_ago(v, s, late["camera"]): 1.0}, variance)
+    if off.any():
+        measure("machine", {s: 1.0, load: 1.0}, EXACT)
     if "imu" in streams and "accel_x_mps2" in streams["imu"]:
         at = 2 * min(late["imu"], ORDER - 1)
         measure("imu", {at: 1.0 / step_s, bias: 1.0}, _accel_var(streams, truth, part))
@@ -230,38 +255,104 @@ def _along(
     system = System(
         transition=f, process=q, rows=np.reshape(rows, (-1, size)), variances=np.array(variances)
     )
-    return system, of
+    return _Model(system=system, of=of, at={"speed": v, "slip": s})
 
 
-def _across(setup: Setup, streams: Streams, part: Table, step_s: float) -> System | None:
-    """States: past increments of v_y, v_y now and before."""
-    if setup.gnss is None or "gnss" not in streams or "v_y_rear_mps" not in part:
+def _ago(now: int, before: int, steps: int) -> int:
+    """Index of the speed of so many steps ago; those of the past stand after `before`."""
+    return before + steps if steps else now
+
+
+def _across(setup: Setup, streams: Streams, part: Table, step_s: float) -> _Model | None:
+    """The motion across the body, of GNSS, gyro and camera; None where they tell nothing of it.
+
+    States: past increments of v_y, how far the heading is off the gyro's integral, and the gyro's
+    bias, v_y now and before, each as many steps back as GNSS and camera are late. Without a gyro
+    the heading of the past tells nothing of now: its walk is as wide as a circle.
+    """
+    if "v_y_rear_mps" not in part:
         return None
-    if "heading_rad" not in streams["gnss"]:
+    v_y, speed = np.asarray(part["v_y_rear_mps"], np.float64), float(np.mean(part["speed_mps"]))
+    gnss = setup.gnss is not None and "heading_rad" in streams.tables.get("gnss", {})
+    camera = _seen(streams, "v_y_mps") > 1
+    if not gnss and not camera:
         return None
-    past = max(_late_steps(streams, "gnss", step_s), 1)
-    v_y = np.asarray(part["v_y_rear_mps"], np.float64)
+    late = {s: _late_steps(streams, s, step_s) for s in ("gnss", "camera")}
+    past = max(*late.values(), 1)
     weights, noise = _autoregression(np.diff(v_y)[:, None])
-    size = ORDER + past + 1
-    now = size - 1
+    bias, off, now = ORDER, ORDER + 1, ORDER + 2 + past  # off and its past, then v_y and its past
+    size = now + past + 1
     f, q = np.zeros((size, size)), np.zeros((size, size))
     f[0, :ORDER], q[0, 0] = weights[0], noise[0, 0]
     f[1:ORDER, : ORDER - 1] = np.eye(ORDER - 1)
     f[now, :ORDER], f[now, now] = weights[0], 1.0
     q[now, now] = q[0, now] = q[now, 0] = noise[0, 0]
-    f[ORDER, now] = 1.0
-    f[ORDER + 1 : ORDER + past, ORDER : ORDER + past - 1] = np.eye(past - 1)
-    row = np.zeros((1, size))
-    row[0, ORDER + past - 1] = 1.0
-    speed = float(np.mean(np.abs(part["speed_mps"])))
-    variance = setup.gnss.velocity_sd_mps**2 + (speed * setup.gnss.heading_sd_rad) ** 2
-    variance *= _period_s(streams, "gnss") / step_s
-    return System(
-        transition=f,
-        process=q + np.eye(size) * 1e-14,
-        rows=row,
-        variances=np.array([variance]),
-    )
+    for first in (off, now):
+        f[first + 1 : first + 1 + past, first : first + past] = np.eye(past)
+    if setup.imu is not None and "gyro_z_radps" in streams.tables.get("imu", {}):
+        f[off, off], f[off, bias], f[bias, bias] = 1.0, step_s, 1.0
+        q[off, off] = setup.imu.gyro_noise_radps_rthz**2 * step_s
+        q[bias, bias] = GYRO_BIAS_PSD * step_s
+    else:
+        q[off, off] = np.pi**2
+    rows, variances, of = [], [], []
+    if gnss and setup.gnss is not None:
+        per_step, ago = step_s / _period_s(streams, "gnss"), late["gnss"]
+        for at, sd in (
+            ({off + ago: 1.0}, setup.gnss.heading_sd_rad),
+            ({off + ago: speed, now + ago: 1.0}, setup.gnss.velocity_sd_mps),
+        ):
+            rows.append([at.get(i, 0.0) for i in range(size)])
+            variances.append(max(sd**2 / per_step, EXACT))
+            of.append("gnss")
+    if camera:
+        rows.append([float(i == now + late["camera"]) for i in range(size)])
+        variances.append(_camera_var(streams, "var_y_m2ps2", step_s))
+        of.append("camera")
+    system = System(
+        transition=f, process=q + np.eye(size) * 1e-14,
+        rows=np.array(rows), variances=np.array(variances),
+    )  # fmt: skip
+    return _Model(system=system, of=of, at={"v_y": now})
+
+
+def _seen(streams: Streams, column: str) -> int:
+    """How many frames of a camera tell a speed."""
+    if column not in streams.tables.get("camera", {}):
+        return 0
+    used = streams.column("camera", "used") == 1.0
+    return int((used & np.isfinite(streams.column("camera", column))).sum())
+
+
+def _camera_var(streams: Streams, column: str, step_s: float) -> float:
+    """Variance of a camera's speed by step, with the share of frames that are used."""
+    used = streams.column("camera", "used") == 1.0
+    variance = streams.column("camera", column).astype(np.float64)[used]
+    per_step = step_s / _period_s(streams, "camera") * float(np.mean(used))
+    return max(float(np.nanmedian(variance)) / per_step, EXACT)
+
+
+def _off_by_load(streams: Streams, part: Table, slip: Array) -> Array:
+    """What the slip that the loads tell best, by least squares, is off; zeros without loads.
+
+    u = c . (1, loads) fitted to the slip explains a share r2 of its variance. Then u / r2 is the
+    slip and an error that is independent of it.
+    """
+    table = streams.tables.get("machine", {})
+    loads = [table[name].astype(np.float64) for name in LOADS if name in table]
+    loads = [each for each in loads if np.isfinite(each).sum() > ORDER]
+    if not loads:
+        return np.zeros_like(slip)
+    known = []
+    for each in loads:  # held from its arrival on
+        there = np.isfinite(each)
+        newest = np.searchsorted(table["arrival_ns"][there], part["epoch_ns"], side="right") - 1
+        known.append(each[there][np.maximum(newest, 0)])
+    centred = np.stack([_centred(x) / max(float(np.std(x)), 1e-12) for x in known], 1)
+    wanted = _centred(slip)
+    fitted = centred @ np.linalg.lstsq(centred, wanted, rcond=1e-9)[0]
+    explained = float(np.mean(fitted**2)) / max(float(np.mean(wanted**2)), 1e-18)
+    return np.zeros_like(slip) if explained < 0.01 else np.asarray(fitted / explained - wanted)
 
 
 def _autoregression(steps: Array) -> tuple[Array, Array]:

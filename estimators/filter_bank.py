@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.estimate import State, advance, begin, write_axle
-from estimators.kalman import Record, predict, update
+from estimators.kalman import Record, correct, predict
 from estimators.layout import RESTARTED, STALE_S
 from estimators.steps import (
     BODY_ACCEL,
@@ -216,14 +216,10 @@ def _take(which: int, x: Array, cov: Array, tuning: Record, step: Record) -> tup
     h = np.array([1.0, -tau, 0.5 * tau * tau, 0.0])
     if which in (BODY_ACCEL, REAR_ACCEL):
         h = np.array([0.0, 1.0, -tau, 1.0])
-    innovation, variance = z, r
-    for i in range(STATES):
-        innovation -= h[i] * x[i]
-        for j in range(STATES):
-            variance += h[i] * cov[i, j] * h[j]
-    squared = update(x, cov, h, z, r)
-    if math.isnan(squared):
+    innovation, variance = correct(x, cov, h, z, r)
+    if math.isnan(innovation):
         return np.nan, 0.0
+    squared = innovation * innovation / variance
     return innovation / math.sqrt(variance), -0.5 * (squared + np.log(variance))
 
 

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from estimators.estimate import State, advance, begin, each_sample, too_old, write
-from estimators.kalman import Array, Record, predict, update
+from estimators.innovations import NOTES, each_innovation, innovations, note
+from estimators.kalman import Array, Record, correct, predict
 from estimators.layout import (
     GNSS,
     GRAVITY_MPS2,
     IMU,
     NO_GROUND_SPEED,
     RESTARTED,
+    SILENT_S,
     STALE_S,
     WHEELS,
 )
@@ -46,6 +49,7 @@ MEMORY = np.dtype(
         ("wheel_known", "i8", 4),
         ("wheel", "f8", (4, 2)),
         ("wheel_cov", "f8", (4, 2, 2)),
+        ("notes", NOTES),
     ],
     align=True,
 )
@@ -83,6 +87,14 @@ class FourState:
     accel_model_sd_mps2: float = 0.2
     """What the accelerometer's row leaves out: vibration, lever arm, lateral motion [m/s2]."""
 
+    tunable: ClassVar[Mapping[str, str]] = {
+        "jerk_psd_m2ps5": "assumed",
+        "wheel_jerk_psd_m2ps5": "assumed",
+        "bias_psd_m2ps5": "assumed",
+        "accel_model_sd_mps2": "assumed",
+    }
+    """What innovations may tell of, and the grade of what stands above."""
+
     def init(self, setup: Setup) -> State:
         """The state before the first sample."""
         tuning = (
@@ -104,6 +116,10 @@ class FourState:
         """
         return advance(_loop, state, chunk)
 
+    def innovations(self, setup: Setup, streams: Streams) -> Table:
+        """What each measurement is off what the filter foretells, and its variance."""
+        return innovations(_innovations, self.init(setup), streams)
+
 
 @compiled
 def _loop(signals: Any, nominal: Record, tuning: Record, memory: Record, rows: Any) -> int:
@@ -111,8 +127,15 @@ def _loop(signals: Any, nominal: Record, tuning: Record, memory: Record, rows: A
 
 
 @compiled
+def _innovations(
+    signals: Any, nominal: Record, tuning: Record, memory: Record, rows: Any, kept: Any
+) -> int:
+    return each_innovation(_take, signals, nominal, tuning, memory, rows, kept)
+
+
+@compiled
 def _take(signal: Record, nominal: Record, tuning: Record, memory: Record, row: Record) -> bool:
-    _carry(signal.epoch_ns, tuning, memory)
+    _carry(signal.epoch_ns, nominal, tuning, memory)
     age = (memory.time_ns - signal.epoch_ns) * 1e-9
     if too_old(signal, memory):
         return False
@@ -128,8 +151,8 @@ def _take(signal: Record, nominal: Record, tuning: Record, memory: Record, row: 
 
 
 @compiled
-def _carry(epoch_ns: int, tuning: Record, memory: Record) -> None:
-    """Predict to a newer epoch; start again after a gap."""
+def _carry(epoch_ns: int, nominal: Record, tuning: Record, memory: Record) -> None:
+    """Predict to a newer epoch; start again after a gap, and doubt the bias after a silence."""
     dt = (epoch_ns - memory.time_ns) * 1e-9
     if memory.time_ns >= 0 and dt > STALE_S:
         memory.ground_known = 0
@@ -140,6 +163,8 @@ def _carry(epoch_ns: int, tuning: Record, memory: Record) -> None:
             f, q = white_jerk(dt, tuning.jerk_psd, 3)
             f[2, 2], q[2, 2] = 1.0, tuning.bias_psd * dt
             predict(memory.ground, memory.ground_cov, f, q)
+            if dt > SILENT_S:
+                memory.ground_cov[2, 2] += nominal.accel_bias_sd_mps2**2
         f, q = white_jerk(dt, tuning.wheel_jerk_psd, 2)
         for i in range(4):
             if memory.wheel_known[i]:
@@ -174,7 +199,7 @@ def _take_gnss(signal: Record, age: float, nominal: Record, tuning: Record, memo
     if memory.ground_known:
         variance = signal.v_sd_mps**2 + tuning.jerk_psd * age**3 / 3.0
         h = np.array([1.0, -age, 0.0])
-        update(memory.ground, memory.ground_cov, h, signal.v_x_mps, variance)
+        note(memory.notes, *correct(memory.ground, memory.ground_cov, h, signal.v_x_mps, variance))
         return
     bias_var = nominal.accel_bias_sd_mps2**2 + (GRAVITY_MPS2 * tuning.tilt_sd_rad) ** 2
     memory.ground_known = 1
@@ -193,7 +218,8 @@ def _take_accel(signal: Record, nominal: Record, tuning: Record, memory: Record)
     if memory.ground_known:
         variance = nominal.accel_sd_mps2**2 + tuning.accel_model_sd**2
         h = np.array([0.0, 1.0, 1.0])
-        update(memory.ground, memory.ground_cov, h, signal.accel_mps2, variance)
+        accel = signal.accel_mps2
+        note(memory.notes, *correct(memory.ground, memory.ground_cov, h, accel, variance))
 
 
 @compiled
@@ -206,7 +232,7 @@ def _take_wheels(signal: Record, age: float, memory: Record) -> None:
         tau = age + signal.wheel_age_s[i]
         if memory.wheel_known[i]:
             h = np.array([1.0, -tau])
-            update(memory.wheel[i], memory.wheel_cov[i], h, speed, sd**2)
+            note(memory.notes, *correct(memory.wheel[i], memory.wheel_cov[i], h, speed, sd**2))
             continue
         memory.wheel_known[i] = 1
         memory.wheel[i, 0], memory.wheel[i, 1] = speed, 0.0

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from twin.compute.compiled import compiled
 
 Array = NDArray[np.float64]
+UNSURE = 0.2
+"""Above this sd of w - v over the larger speed, slip is no line of the speeds."""
 Record = Any
 """One element of a structured array, as compiled code sees it: fields by name."""
 
@@ -50,7 +52,7 @@ def predict(x: Array, p: Array, f: Array, q: Array) -> None:
 
 
 @compiled
-def update(x: Array, p: Array, h: Array, z: float, r: float) -> float:
+def correct(x: Array, p: Array, h: Array, z: float, r: float) -> tuple[float, float]:
     """Take one scalar measurement; a NaN is skipped.
 
     e = z - h x,   S = h P h^T + r,   K = P h^T / S
@@ -64,11 +66,11 @@ def update(x: Array, p: Array, h: Array, z: float, r: float) -> float:
         r: its variance.
 
     Returns:
-        Normalised innovation squared e^2 / S; NaN if the measurement was skipped.
+        Innovation e and its variance S; NaN if the measurement was skipped.
     """
     n = len(x)
     if not (math.isfinite(z) and math.isfinite(r)):
-        return np.nan
+        return np.nan, np.nan
     ph = np.zeros(n)
     innovation, variance = z, r
     for i in range(n):
@@ -77,11 +79,18 @@ def update(x: Array, p: Array, h: Array, z: float, r: float) -> float:
             ph[i] += p[i, j] * h[j]
         variance += h[i] * ph[i]
     if not variance > 0.0:
-        return np.nan
+        return np.nan, np.nan
     for i in range(n):
         x[i] += ph[i] * innovation / variance
         for j in range(n):
             p[i, j] -= ph[i] * ph[j] / variance
+    return innovation, variance
+
+
+@compiled
+def update(x: Array, p: Array, h: Array, z: float, r: float) -> float:
+    """`correct`, and the normalised innovation squared e^2 / S; NaN if there was none."""
+    innovation, variance = correct(x, p, h, z, r)
     return innovation * innovation / variance
 
 
@@ -93,6 +102,10 @@ def slip_and_sd(
 
     s = (w - v) / m,   m = max(|w|, |v|, 0.05 m/s)
     var s = g_w^2 P_ww + 2 g_w g_v P_wv + g_v^2 P_vv,   g = ds/d(w, v)
+
+    Near rest slip saturates: at s = -1, wheels that stand, it does not change with v, however
+    little v is known. Where the sd of w - v is above a fifth of m, the variance is therefore at
+    least var(w - v) / m^2.
 
     Args:
         wheel: theoretical speed w [m/s].
@@ -113,4 +126,7 @@ def slip_and_sd(
         + 2.0 * by_wheel * by_ground * covariance
         + by_ground**2 * ground_var
     )
+    apart = (wheel_var - 2.0 * covariance + ground_var) / scale**2
+    if apart > UNSURE**2:
+        variance = max(variance, apart)
     return slip, math.sqrt(max(variance, 0.0))

@@ -11,19 +11,22 @@ One module, because the filters of this family differ in tuning alone.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from estimators.estimate import State, advance, begin, each_sample, too_old, write_axle
 from estimators.fusion import fuse
-from estimators.kalman import Record, predict, update
+from estimators.innovations import NOTES, each_innovation, innovations, note
+from estimators.kalman import Record, correct, predict
 from estimators.layout import (
     GNSS,
     IMU,
     NO_GROUND_SPEED,
     RESTARTED,
+    SILENT_S,
     STALE_S,
     WHEELS,
 )
@@ -64,6 +67,7 @@ MEMORY = np.dtype(
         ("known", "i8", 3),
         ("x", "f8", (3, SIZE)),
         ("cov", "f8", (3, SIZE, SIZE)),
+        ("notes", NOTES),
     ],
     align=True,
 )
@@ -111,6 +115,16 @@ class ParallelKf:
     front_offset_psd_m2ps3: float = 0.0
     """Density of that offset's random walk [m2/s3]."""
 
+    tunable: ClassVar[Mapping[str, str]] = {
+        "process_var.1": "assumed",
+        "process_var.2": "assumed",
+        "accel_sd_mps2": "assumed",
+        "wheel_accel_sd_mps2": "assumed",
+        "bias_psd_m2ps5": "assumed",
+        "front_offset_psd_m2ps3": "assumed",
+    }
+    """What innovations may tell of, and the grade of what stands above."""
+
     def init(self, setup: Setup) -> State:
         """The state before the first sample."""
         tuning = np.zeros(1, TUNING)
@@ -138,6 +152,10 @@ class ParallelKf:
         of any sensor, gives no row.
         """
         return advance(_loop, state, chunk)
+
+    def innovations(self, setup: Setup, streams: Streams) -> Table:
+        """What each measurement is off what an observer foretells, and its variance."""
+        return innovations(_innovations, self.init(setup), streams)
 
 
 KF_Z2 = ParallelKf(observers=(("gnss",),), process_var=(1.0, 1.0, 1.0))
@@ -172,6 +190,13 @@ def _loop(signals: Any, nominal: Record, tuning: Record, memory: Record, rows: A
 
 
 @compiled
+def _innovations(
+    signals: Any, nominal: Record, tuning: Record, memory: Record, rows: Any, kept: Any
+) -> int:
+    return each_innovation(_take, signals, nominal, tuning, memory, rows, kept)
+
+
+@compiled
 def _take(signal: Record, nominal: Record, tuning: Record, memory: Record, row: Record) -> bool:
     _carry(signal.epoch_ns, tuning, memory)
     age = (memory.time_ns - signal.epoch_ns) * 1e-9
@@ -192,7 +217,7 @@ def _take(signal: Record, nominal: Record, tuning: Record, memory: Record, row: 
 
 @compiled
 def _carry(epoch_ns: int, tuning: Record, memory: Record) -> None:
-    """Predict to a newer epoch; start again after a gap."""
+    """Predict to a newer epoch; start again after a gap, and doubt biases after a silence."""
     dt = (epoch_ns - memory.time_ns) * 1e-9
     if memory.time_ns >= 0 and dt > STALE_S:
         memory.known[:] = 0
@@ -208,6 +233,10 @@ def _carry(epoch_ns: int, tuning: Record, memory: Record) -> None:
         for channel in range(3):
             if memory.known[channel]:
                 predict(memory.x[channel], memory.cov[channel], f, q)
+        if dt > SILENT_S:
+            memory.cov[0, BIAS, BIAS] += tuning.bias_sd**2
+            memory.cov[1, BIAS, BIAS] += tuning.bias_sd**2
+            memory.cov[WHEEL, BIAS, BIAS] += tuning.wheel_bias_sd**2
     memory.time_ns = max(memory.time_ns, epoch_ns)
 
 
@@ -221,7 +250,7 @@ def _take_speed(
     if not memory.known[channel]:
         return 1
     h = np.array([1.0, -age, 0.5 * age * age, 0.0, of_front])
-    update(memory.x[channel], memory.cov[channel], h, speed, variance)
+    note(memory.notes, *correct(memory.x[channel], memory.cov[channel], h, speed, variance))
     return 0
 
 
@@ -245,7 +274,7 @@ def _take_accel(channel: int, accel: float, sd: float, memory: Record) -> None:
     """Measure a + b."""
     if memory.known[channel]:
         h = np.array([0.0, 1.0, 0.0, 1.0, 0.0])
-        update(memory.x[channel], memory.cov[channel], h, accel, sd**2)
+        note(memory.notes, *correct(memory.x[channel], memory.cov[channel], h, accel, sd**2))
 
 
 @compiled

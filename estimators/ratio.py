@@ -16,6 +16,8 @@ from twin.compute.compiled import compiled
 from twin.streams import Setup, Streams, Table
 
 TUNING = np.dtype([("towed", "i8")])
+ACCEL_SD_MPS2 = 0.3
+"""sd of a tractor's acceleration while it works or turns; a start from rest takes 1 m/s2."""
 MEMORY = np.dtype([("flags", "i8"), ("v_ns", "i8"), ("v_mps", "f8"), ("v_var", "f8")], align=True)
 
 
@@ -25,8 +27,8 @@ class Ratio:
 
     w R is the mean of the driven wheels with the nominal radius. v is the last GNSS velocity along
     the body, brought to the rear axle, or the mean speed of the towed wheels (steered straight and
-    free of slip). slip_sd is that of the data sheets' noise: it knows nothing of a wrong radius, of
-    the velocity's age, or of the tick intervals' own.
+    free of slip). slip_sd is that of the data sheets' noise, and of how the machine may have sped
+    up since the velocity's epoch: it knows nothing of a wrong radius or of the tick intervals' own.
     """
 
     towed: bool = False
@@ -70,7 +72,9 @@ def _take(signal: Record, nominal: Record, tuning: Record, memory: Record, row: 
         memory.v_mps = np.nan
     if math.isnan(memory.v_mps):
         memory.flags |= NO_GROUND_SPEED
-    write(row, signal, nominal, memory.v_mps, memory.v_var, signal.wheel_mps, signal.wheel_sd_mps)
+    age_s = max(signal.epoch_ns - memory.v_ns, 0) * 1e-9
+    v_var = memory.v_var + (ACCEL_SD_MPS2 * age_s) ** 2
+    write(row, signal, nominal, memory.v_mps, v_var, signal.wheel_mps, signal.wheel_sd_mps)
     row.epoch_ns, row.flags = signal.epoch_ns, memory.flags
     memory.flags = 0
     return True

@@ -2,7 +2,7 @@
 
     pip install '.[rl]'
     python examples/train_slip_control.py --env Plough-v0 --out plough.zip
-    twin compare-controllers --env Plough-v0 --policy plough.zip
+    twin compare-controllers --env Plough-v0 --controllers pi,plough.zip
 
 The policy learns what to add to a PI, by what it is ahead of the tuned PI, which drove over the
 same training grounds before. Both see the truth there, blurred as the estimate was; the estimator

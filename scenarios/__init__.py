@@ -32,6 +32,17 @@ REGISTRY: dict[str, str] = {
             "all",
         )
     },
+    **{
+        f"field-day-{part}": f"scenarios.field_day:{part.upper().replace('-', '_')}"
+        for part in (
+            "ploughing",
+            "ploughing-morning",
+            "cultivating",
+            "cultivating-part",
+            "t7165s",
+            "t7165s-part",
+        )
+    },
     "slope-8-taishan": "scenarios.slope:TAISHAN_8",
     **{f"slope-{slope}-taishan": f"scenarios.slope:TAISHAN_{slope}" for slope in (5, 10)},
     **{f"slope-{slope}-plough": f"scenarios.slope:PLOUGH_{slope}" for slope in (5, 10)},

@@ -93,6 +93,10 @@ BASES = {
         },
     ),
     "sensing": replaced(ROLLING, {"sensors": Sensors()}),
+    "stuck": replaced(
+        PLOUGHING,
+        {"plough.depth_m": 0.35, "soil.draft_scale": 2.0, "sensors.gnss": Gnss()},
+    ),
     "failing": replaced(
         ROLLING,
         {
@@ -231,6 +235,7 @@ WITNESSES: dict[str, dict[str, object]] = {
         "sensors.gnss.lever_arm_error_m": (0.1, 0.0, 0.0), "sensors.gnss.outages": OUTAGES,
         "sensors.gnss.float_sd_m": Refused(0.5), "sensors.gnss.single_tau_s": Refused(10.0),
         "sensors.faults": (Fault(kind="imu-bias", start_s=0.2, duration_s=0.3),),
+        "sensors.ignition_off_s": ((0.2, 0.1),),
         "sensors.imu.rate_hz": 40.0, "sensors.imu.internal_rate_hz": 400.0,
         "sensors.imu.filter_order": 6, "sensors.imu.filter_cut_hz": 10.0,
         "sensors.imu.latency_s": 0.01, "sensors.imu.latency_jitter_s": 0.002,
@@ -247,6 +252,9 @@ WITNESSES: dict[str, dict[str, object]] = {
         "sensors.wheels.latency_s": 0.02, "sensors.wheels.latency_jitter_s": 0.002,
         "sensors.wheels.read_jitter_s": 1e-3,
         "sensors.wheels.radius_error": (0.1, 0.0, 0.0, 0.0), "sensors.wheels.radius_error_sd": 0.05,
+    },
+    "stuck": {
+        "sensors.gnss.rest_velocity_sd_mps": 0.01, "sensors.gnss.rest_velocity_tau_s": 5.0,
     },
     "failing": {
         "sensors.gnss.extrapolation_sd_mps": 0.5, "sensors.gnss.float_sd_m": 1.0,

@@ -25,12 +25,15 @@ if TYPE_CHECKING:
     from twin.pipeline.result import Result as Result
     from twin.scenario import Course as Course
     from twin.scenario import Drive as Drive
+    from twin.scenario import Driver as Driver
+    from twin.scenario import Event as Event
     from twin.scenario import Field as Field
     from twin.scenario import Plough as Plough
     from twin.scenario import Scenario as Scenario
     from twin.scenario import Soil as Soil
     from twin.sensors import Sensors as Sensors
     from twin.studies.study import study as study
+    from twin.tuning.tune import tune as tune
     from twin.vehicle import Implement as Implement
     from twin.vehicle import Machine as Machine
 
@@ -38,8 +41,9 @@ _HOME = {
     "load": "twin.pipeline.public",
     "run": "twin.pipeline.public",
     "estimate": "twin.pipeline.public",
-    "calibrate": "twin.calibration.calibrate",
     "study": "twin.studies.study",
+    "tune": "twin.tuning.tune",
+    "calibrate": "twin.calibration.calibrate",
     "Result": "twin.pipeline.result",
     "Estimator": "twin.pipeline.estimating",
     "Scenario": "twin.scenario",
@@ -47,6 +51,8 @@ _HOME = {
     "Field": "twin.scenario",
     "Plough": "twin.scenario",
     "Drive": "twin.scenario",
+    "Driver": "twin.scenario",
+    "Event": "twin.scenario",
     "Course": "twin.scenario",
     "Sensors": "twin.sensors",
     "Machine": "twin.vehicle",
@@ -56,8 +62,9 @@ _HOME = {
 _MODULES = ("errors", "testing")
 
 __all__ = [
-    "Course", "Drive", "Estimator", "Field", "Implement", "Machine", "Plough", "Result", "Scenario",
-    "Sensors", "Soil", "calibrate", "errors", "estimate", "load", "run", "study", "testing",
+    "Course", "Drive", "Driver", "Estimator", "Event", "Field", "Implement", "Machine", "Plough",
+    "Result", "Scenario", "Sensors", "Soil", "calibrate", "errors", "estimate", "load",
+    "run", "study", "testing", "tune",
 ]  # fmt: skip
 
 

@@ -1,377 +1,308 @@
-"""Samples wait a little and are taken in order of epoch; what is told is brought up to now.
-
-One module, because predict and correct change one record in place.
-"""
+"""The loop: samples in order of their epochs, and what is told brought up to now."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from estimators.estimate import SLOW_MPS
-from estimators.four_state import FourState
+from estimators.kalman import Array, Record
 from estimators.layout import STALE_S
-from estimators.sideslip_ekf import model, tilt
-from estimators.sideslip_ekf.model import (
-    FREE_RAD2,
-    GYRO_BIAS,
+from estimators.sideslip_ekf import ground, motion, rows
+from estimators.sideslip_ekf.gnss import take_gnss
+from estimators.sideslip_ekf.law import take_speed
+from estimators.sideslip_ekf.layout import (
+    ASIDE,
+    CAMERA,
+    CAMERA_PULL,
+    CAMERA_SCALE,
+    COMPLIANCE,
+    EAST,
+    ENTRIES,
+    F_X,
+    F_Y,
+    FRAME,
+    GNSS,
     HEADING,
+    IMU,
+    NORTH,
+    PITCH,
+    PUSH,
+    RECEIVER_E,
+    RECEIVER_N,
+    ROLL,
+    SIZE,
     SLIDE,
     SLIDE_REAR,
     V_X,
     V_Y,
-    Array,
-    Nominal,
-    Tuning,
-)
-from estimators.sideslip_ekf.tilt import Tilt
-from twin.streams import COLUMNS, WHEELS, Setup, Streams, Table
+    WHEELS,
+)  # fmt: skip
+from estimators.sideslip_ekf.queue import arrive, drop_first, first_is_due, imu_at, wait, wait_frame
+from estimators.sideslip_ekf.report import report
+from estimators.sideslip_ekf.update import restart, take
+from twin.compute.compiled import array_law, compiled
 
-LAG_NS = 120_000_000
-"""A sample waits until another is so much newer, so that late ones find their place."""
-STALE_NS = round(STALE_S * 1e9)
-SEEN_NS = 500_000_000
-"""The forward speed is the camera's for so long after a frame."""
-USUAL_S = 1.0 / 30.0
-"""Between two frames, where a stream does not tell [s]."""
+FREE_RAD2, FREE_MPS, FREE_M = 10.0, 10.0, 1e3
+"""Variance of a heading, sd of a speed and of a place that nothing is known of."""
 SAME_S = 0.001
 """Instants as near as this are one."""
-SLOW_S = 2.0
-STRAIGHT_RADPS = 0.03
-"""Turning slower than this is straight on."""
-DRIVING_MPS = 0.3
-READ = {
-    "gnss": ("v_east_mps", "v_north_mps", "heading_rad", "quality", "velocity_sd_mps",
-             "heading_sd_rad"),
-    "imu": ("gyro_x_radps", "gyro_y_radps", "gyro_z_radps", "accel_x_mps2", "accel_y_mps2"),
-    "wheels": (*(f"ticks_{w}" for w in WHEELS), *(f"speed_{w}_mps" for w in WHEELS),
-               "speed_sd_mps"),
-    "camera": ("v_x_mps", "v_y_mps", "var_x_m2ps2", "var_y_m2ps2", "cov_xy_m2ps2", "interval_s",
-               "used"),
-}  # fmt: skip
-LATERAL = ("v_y_mps", "sideslip_rad", "sideslip_sd_rad", "sideslip_m", "sideslip_sd_m",
-           "sideslip_rear_rad", "sideslip_rear_m")  # fmt: skip
-
-Sample = tuple[int, str, tuple[float, ...]]
-"""Epoch, sensor, values as in READ; for "towed" a speed and its sd. A camera's sample is two:
-"camera" at the middle of its interval is the forward speed and its variance, "frame" at its end
-both speeds, the variance and the interval."""
+LAPSE_S = 0.06
+"""The covariance is not carried more often than a measurement or this time asks [s]."""
+SHARE = 0.5
+"""What of the variance from sample to sample is white: the rest is an engine."""
+ACCEL_PSD, SETTLE, MOST_SQUARE = 5e-5, 100.0, 9.0
+"""Density of the forces' noise at first [m2/s3], samples over which it is averaged, and what a
+square counts at most over the mean."""
+HELD_NS = 100_000_000
+"""Without an IMU for so long, the samples of the wheels carry the state on."""
+GATE = 4.0
+"""An error beyond so many sd moves nothing further."""
 
 
-@dataclass
-class State:
-    """What is carried from chunk to chunk; only `Work` changes one, and that a copy of its own."""
+@compiled
+def loop(
+    sensor: Any, row: Any, epoch_ns: Any, gnss: Array, imu: Array, camera: Array, clear: Array,
+    speed: Array, nominal: Record, tuning: Record, memory: Record, out: Array,
+) -> int:  # fmt: skip
+    """Take a chunk's samples, and fill a row of `out` for each row of `speed`; returns how many.
 
-    slip: Any
-    """State of the filter that tells slip."""
-    nominal: Nominal
-    towed: tuple[int, ...]
-    """Numbers of the wheels that are not driven."""
-    tick_m: tuple[float, ...]
-    """Path per tick of each wheel, NaN without ticks."""
-    x: Array
-    """Mean (13,), in the order of `model.V_X` to `model.ASIDE`, as is the covariance."""
-    p: Array
-    lateral_psd: float
-    """Of the lateral speed's walk [m2/s3]."""
-    epoch_ns: int = -1
-    """Of the filter."""
-    newest_ns: int = -1
-    lateral_ns: int = -1
-    """When a lateral speed was last measured."""
-    camera_ns: int = -1
-    """When the camera last measured one."""
-    frame_ns: int = -1
-    """Of its last frame, up to which the path aside is known."""
-    spin: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """The last turn rates."""
-    slow: tuple[float, float] = (0.0, 0.0)
-    """Mean rates of roll and pitch over SLOW_S: no chassis goes on rolling, so they are bias."""
-    spun_s: float = 0.0
-    """Time that is in them."""
-    spin_ns: int = -1
-    tilt: Tilt = field(default_factory=Tilt)
-    last_ns: tuple[tuple[str, int], ...] = ()
-    """Newest epoch of each sensor."""
-    ticks: tuple[float, ...] = (math.nan,) * 4
-    tick_ns: int = -1
-    waiting: tuple[Sample, ...] = ()
-
-
-@dataclass(frozen=True, kw_only=True)
-class SideslipEkf:
-    """Extended Kalman filter of camera, GNSS, gyro and wheels for sideslip, with mounting errors.
-
-        x = [v_x, v_y of the camera, heading, gyro bias, heading bias, camera yaw, camera scale,
-             wheel scale, slide of the centre of gravity, slide of the rear axle,
-             pull of the pixels, gyro scale, path to the left since the last frame]
-
-    The slides are the sideslip amounts, integrals of lateral speed, so that their sd knows of the
-    biases they share. Camera yaw and heading bias are found where the machine drives straight on
-    over level ground, which the accelerometer tells: there the rear axle does not slide. Through a
-    masking the camera and the gyro go on alone.
-
-    Speed along the ground and slip are the filter's own where the camera tells them, with the
-    wheels' nominal radius; else, as all of the wheels, they are `four-state`'s.
+    Args:
+        sensor, row, epoch_ns: of each sample in order of arrival.
+        gnss, imu, camera: values by sensor, in the columns of `layout.READ`.
+        clear: 1 with the plough out of the ground, 0 in it, NaN unknown, of each sample.
+        speed: ground speed, its sd, slip, and room, of each wheel sample that the slip filter
+            accepted.
+        nominal, tuning, memory: records; `memory` is changed.
+        out: (n, 7).
     """
-
-    tuning: Tuning = field(default_factory=Tuning)
-
-    def init(self, setup: Setup) -> State:
-        """The state before the first sample."""
-        nominal = Nominal.of(setup)
-        wheels = setup.wheels
-        per_turn = wheels.counts_per_turn if wheels and wheels.counts_per_turn else math.nan
-        radius = wheels.radius_m if wheels else {}
-        x, p = model.begin(nominal, self.tuning)
-        return State(
-            slip=FourState().init(setup),
-            nominal=nominal,
-            towed=tuple(i for i, w in enumerate(WHEELS) if w not in setup.driven),
-            tick_m=tuple(2.0 * math.pi * radius.get(w, math.nan) / per_turn for w in WHEELS),
-            x=x,
-            p=p,
-            lateral_psd=self.tuning.accel_y_psd,
-        )
-
-    def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
-        """The state after the chunk, and a table with one row per accepted wheel sample.
-
-        A wheel sample that is not newer than the last one, or over 5 s older than the newest sample
-        of any sensor, gives no row.
-        """
-        slip, table = FourState().run(state.slip, chunk)
-        work = Work(replace(state, slip=slip), self.tuning)
-        columns = {
-            s: np.column_stack([chunk.column(s, n).astype(float) for n in names])
-            for s, names in READ.items()
-            if s in chunk
-        }
-        names = tuple(COLUMNS)
-        told = []
-        for sensor, row in zip(*chunk.merge_order(), strict=True):
-            name = names[sensor]
-            if name in columns:
-                epoch_ns = int(chunk[name]["epoch_ns"][row])
-                if work.arrived(epoch_ns, name, columns[name][row]) and name == "wheels":
-                    told.append(work.told())
-        lateral = np.array(told).reshape(-1, len(LATERAL) + 2)
-        table |= {n: lateral[:, i].copy() for i, n in enumerate(LATERAL)}
-        return work.state, self._with_slip(table, lateral[:, -2], lateral[:, -1])
-
-    def _with_slip(self, table: Table, speed_mps: Array, speed_sd_mps: Array) -> Table:
-        """The table with the filter's own speed, and slip from it, where that is known.
-
-        s = (w - v) / m,  m = max(|w|, |v|, 0.05 m/s);  the radius's error is that of two wheels
-        """
-        known = np.isfinite(speed_mps) & np.isfinite(table["wheel_speed_mps"])
-        wheel = table["wheel_speed_mps"]
-        size = np.fmax(np.fmax(np.abs(wheel), np.abs(speed_mps)), SLOW_MPS)
-        sd = np.hypot(speed_sd_mps, self.tuning.wheel_scale_sd / math.sqrt(2.0) * wheel) / size
-        own = {"speed_mps": speed_mps, "slip": (wheel - speed_mps) / size, "slip_sd": sd}
-        return table | {n: np.where(known, column, table[n]) for n, column in own.items()}
+    n = 0
+    room = np.empty((SIZE, SIZE))
+    h, x = np.zeros(SIZE), np.zeros(SIZE)
+    at = np.zeros((ENTRIES, 2), np.int64)
+    now, mean = np.zeros(5), np.zeros(5)
+    motion.entries(memory.x, now, 0.0, 0.0, nominal, memory, at, memory.change)  # the places
+    for i in range(len(sensor)):
+        kind, epoch = sensor[i], epoch_ns[i]
+        if epoch <= memory.last_ns[kind]:
+            continue
+        memory.last_ns[kind] = epoch
+        arrive(epoch, memory)
+        stale = (memory.newest_ns - epoch) * 1e-9 > STALE_S
+        if kind == WHEELS:
+            if stale:
+                continue
+            speed[n, 3] = clear[i]
+            wait(epoch, kind, speed[n], memory)
+        elif stale:
+            continue
+        elif kind == GNSS:
+            wait(epoch, kind, gnss[row[i]], memory)
+        elif kind == IMU:
+            wait(epoch, kind, imu[row[i]], memory)
+        elif kind == CAMERA and camera[row[i], 6] == 1.0:
+            wait_frame(epoch, camera[row[i]], memory)
+        while first_is_due(memory):
+            _take_first(h, at, room, now, mean, nominal, tuning, memory)
+        if kind == WHEELS:
+            report(out[n], x, now, mean, nominal, tuning, memory)
+            n += 1
+    return n
 
 
-class Work:
-    """A state while a chunk is taken in; the one it began with is left as it was."""
+@array_law
+def _take_first(
+    h: Array, at: motion.Places, room: Array, now: Array, mean: Array, nominal: Record,
+    tuning: Record, memory: Record,
+) -> None:  # fmt: skip
+    """Carry the state to the oldest sample that waits, and take it.
 
-    def __init__(self, state: State, tuning: Tuning) -> None:
-        self.state = replace(state, x=state.x.copy(), p=state.p.copy())
-        self.tuning = tuning
-
-    def arrived(self, epoch_ns: int, sensor: str, values: Array) -> bool:
-        """Take in a sample that has arrived; whether it is newer than its sensor's last."""
-        state = self.state
-        last = dict(state.last_ns)
-        if epoch_ns <= last.get(sensor, -1):
-            return False
-        newest = max(state.newest_ns, epoch_ns)
-        if sensor == "camera" and values[-1] != 1.0:
-            return False  # its epoch may be that of the next one
-        last[sensor] = epoch_ns
-        state.last_ns, state.newest_ns = tuple(last.items()), newest
-        if newest - epoch_ns > STALE_NS:
-            return False
-        self._wait(epoch_ns, sensor, values)
-        self._take_due()
-        return True
-
-    def _wait(self, epoch_ns: int, sensor: str, values: Array) -> None:
-        sample: Sample = (epoch_ns, sensor, tuple(values.tolist()))
-        if sensor == "wheels":
-            found = self._towed(epoch_ns, values)
-            if found is None:
-                return
-            sample = found
-        more = _camera(epoch_ns, values) if sensor == "camera" else (sample,)
-        self.state.waiting = tuple(sorted((*self.state.waiting, *more), key=lambda s: s[:2]))
-
-    def _towed(self, epoch_ns: int, values: Array) -> Sample | None:
-        """Mean speed of the towed wheels over the interval of two readings, at its middle."""
-        state = self.state
-        ticks, dt = tuple(values[:4].tolist()), (epoch_ns - state.tick_ns) * 1e-9
-        steps = [(ticks[i] - state.ticks[i]) * state.tick_m[i] for i in state.towed]
-        middle_ns = epoch_ns - (epoch_ns - state.tick_ns) // 2
-        state.ticks, state.tick_ns = ticks, epoch_ns
-        if steps and dt < STALE_S and all(map(math.isfinite, steps)):
-            sd = state.tick_m[state.towed[0]] / dt / math.sqrt(6.0 * len(steps))
-            return middle_ns, "towed", (sum(steps) / len(steps) / dt, sd)
-        speeds = [float(values[4 + i]) for i in state.towed]
-        if speeds and all(map(math.isfinite, speeds)):
-            sd = float(values[8])
-            return epoch_ns, "towed", (sum(speeds) / len(speeds), sd if sd > 0.0 else 0.05)
-        return None
-
-    def _take_due(self) -> None:
-        due_ns = self.state.newest_ns - LAG_NS
-        while self.state.waiting and self.state.waiting[0][0] <= due_ns:
-            first, *rest = self.state.waiting
-            self.state.waiting = tuple(rest)
-            self._take(*first)
-
-    def _take(self, epoch_ns: int, sensor: str, values: tuple[float, ...]) -> None:
-        if sensor == "imu":
-            self._turn(epoch_ns, values)
-        spin = self._spin_at(epoch_ns)
-        self._carry(epoch_ns, spin[2])
-        if sensor == "imu":
-            self._level()
-        elif sensor == "camera":
-            x, p, own = self.state.x, self.state.p, self.state.nominal
-            model.take_ahead(x, p, values[0], values[1], spin[2], own, self.tuning)
-        elif sensor == "frame":
-            self._frame(values)
-        elif sensor == "gnss":
-            self._gnss(values, np.array(spin))
-        elif sensor == "towed" and abs(spin[2]) < STRAIGHT_RADPS:
-            model.take_wheels(self.state.x, self.state.p, values[0], values[1], self.tuning)
-
-    def _carry(self, epoch_ns: int, rate: float) -> None:
-        """Predict to an epoch; after a gap start again, with the biases that are known."""
-        state = self.state
-        dt = (epoch_ns - state.epoch_ns) * 1e-9
-        if state.epoch_ns >= 0 and dt > STALE_S:
-            model.forget(state.x, state.p, self.tuning)
-            state.lateral_psd, state.frame_ns = self.tuning.accel_y_psd, -1
-            state.tilt = tilt.forget(state.tilt)
-        elif state.epoch_ns >= 0 and dt > 0.0:
-            psd = state.lateral_psd
-            model.predict(state.x, state.p, dt, rate, psd, state.nominal, self.tuning)
-        state.epoch_ns = max(epoch_ns, state.epoch_ns)
-
-    def _turn(self, epoch_ns: int, values: tuple[float, ...]) -> None:
-        """Remember the turn rates; feel the vertical."""
-        state = self.state
-        p, q, r = (v if math.isfinite(v) else s for v, s in zip(values, state.spin, strict=False))
-        dt = min((epoch_ns - state.spin_ns) * 1e-9, 0.1) if state.spin_ns >= 0 else 0.02
-        rate = model.turning(state.x, r)
-        ahead = values[3] + rate * model.rear_mps(state.x, r, state.nominal)
-        left = values[4] - rate * state.x[V_X]
-        own = state.tilt
-        if state.spin_ns >= 0 and epoch_ns - state.spin_ns > STALE_NS:
-            own = tilt.forget(own)
-        state.tilt = tilt.felt(own, ahead, left, float(state.x[HEADING]), dt)
-        gain = dt / min(state.spun_s + dt, SLOW_S)
-        roll, pitch = state.slow
-        state.slow = roll + gain * (p - roll), pitch + gain * (q - pitch)
-        state.spun_s += dt
-        state.spin, state.spin_ns = (p, q, r), epoch_ns
-
-    def _spin_at(self, epoch_ns: int) -> tuple[float, ...]:
-        """Turn rates at an epoch: linear between IMU samples, held where there is no next one."""
-        state = self.state
-        for next_ns, sensor, values in state.waiting:
-            if sensor == "imu" and all(map(math.isfinite, values[:3])) and state.spin_ns >= 0:
-                share = (epoch_ns - state.spin_ns) / max(next_ns - state.spin_ns, 1)
-                return tuple(a + share * (b - a) for a, b in zip(state.spin, values, strict=False))
-        return state.spin
-
-    def _level(self) -> None:
-        state = self.state
-        rate = model.turning(state.x, state.spin[2])
-        driving = abs(state.x[V_X]) > DRIVING_MPS and state.p[V_X, V_X] < 1.0
-        if state.tilt.level and driving and abs(rate) < STRAIGHT_RADPS:
-            model.take_level(state.x, state.p, state.spin[2], state.nominal, self.tuning)
-
-    def _frame(self, values: tuple[float, ...]) -> None:
-        state, (ahead, left, variance, interval_s) = self.state, values
-        known_s = (state.epoch_ns - state.frame_ns) * 1e-9 if state.frame_ns >= 0 else math.inf
-        follows = abs(known_s - interval_s) < SAME_S
-        state.frame_ns = state.epoch_ns
-        frame = model.Frame(ahead, left, variance, interval_s, follows)
-        taken, state.lateral_psd = model.take_aside(
-            state.x, state.p, frame, state.lateral_psd, self.tuning
-        )
-        if taken:
-            state.lateral_ns = state.camera_ns = state.epoch_ns
-
-    def _gnss(self, values: tuple[float, ...], spin: Array) -> None:
-        east, north, azimuth, quality, velocity_sd, heading_sd = values
-        state, nominal = self.state, self.state.nominal
-        spin[:2] -= state.slow  # 1e-3 rad/s under an antenna 0.7 m up are 0.07 % of 1 m/s
-        spin[2] = model.turning(state.x, spin[2])
-        rotation = state.tilt.rotation
-        if math.isfinite(azimuth):
-            sd = heading_sd if heading_sd > 0.0 else nominal.heading_sd_rad
-            model.take_heading(state.x, state.p, azimuth, sd, rotation, nominal)
-        known = state.p[HEADING, HEADING] < 0.1 * FREE_RAD2
-        if quality != 0.0 and math.isfinite(east + north) and known:
-            sd = velocity_sd if velocity_sd > 0.0 else nominal.velocity_sd_mps
-            flat = np.array([east, north])
-            if model.take_velocity(state.x, state.p, flat, sd, rotation, spin, nominal):
-                state.lateral_ns = state.epoch_ns
-
-    def told(self) -> tuple[float, ...]:
-        """LATERAL at the newest epoch: the filter's own, brought up at its lateral speed.
-
-        Then the forward speed and its sd, NaN where no frame told it lately.
-        """
-        state = self.state
-        x, p, nominal = state.x, state.p, state.nominal
-        if state.lateral_ns < 0:
-            return (math.nan,) * (len(LATERAL) + 2)
-        ahead_s = max((state.newest_ns - state.epoch_ns) * 1e-9, 0.0)
-        if ahead_s > STALE_S:  # after a gap nothing is known of the speeds yet
-            sd = math.sqrt(p[SLIDE, SLIDE])
-            nan = math.nan
-            return nan, nan, nan, float(x[SLIDE]), sd, nan, float(x[SLIDE_REAR]), nan, nan
-        rate = model.turning(x, state.spin[2])
-        v_y_rear = model.rear_mps(x, state.spin[2], nominal)
-        v_y_cg = v_y_rear + nominal.cg_x_m * rate
-        h = np.zeros(len(x))
-        h[SLIDE], h[V_Y] = 1.0, ahead_s
-        slide_sd = math.sqrt(max(float(h @ p @ h), 0.0))
-        angles = (math.nan, math.nan, math.nan)
-        if abs(x[V_X]) >= SLOW_MPS:
-            arm = nominal.cg_x_m - nominal.camera_m[0]
-            blurred = p[GYRO_BIAS, GYRO_BIAS] + nominal.gyro_sd_radps**2
-            sd = math.sqrt(p[V_Y, V_Y] + arm * arm * blurred)
-            angles = (
-                math.atan2(v_y_cg, x[V_X]), sd / abs(x[V_X]), math.atan2(v_y_rear, x[V_X]),
-            )  # fmt: skip
-        slide, rear = x[SLIDE] + ahead_s * v_y_cg, x[SLIDE_REAR] + ahead_s * v_y_rear
-        speed = (math.nan, math.nan)
-        if state.camera_ns >= 0 and state.newest_ns - state.camera_ns < SEEN_NS:
-            speed = (float(x[V_X]), math.sqrt(p[V_X, V_X]))
-        return v_y_cg, angles[0], angles[1], slide, slide_sd, angles[2], rear, *speed
-
-
-def _camera(epoch_ns: int, values: Array) -> tuple[Sample, ...]:
-    """The two samples of a velocity; none where it or its covariance is unknown.
-
-    The height errs along the velocity; a covariance's smaller eigenvalue is without that.
+    What the slip filter says is slow: it is taken with the next of the others.
     """
-    ahead, left, var_x, var_y, cov_xy, interval_s, _ = (float(v) for v in values)
-    covariance = np.array([[var_x, cov_xy], [cov_xy, var_y]])
-    if not (math.isfinite(ahead + left) and np.isfinite(covariance).all()):
-        return ()
-    variance = max(float(np.linalg.eigvalsh(covariance)[0]), 1e-10)
-    span_s = interval_s if 0.0 < interval_s < STALE_S else USUAL_S
-    end_ns = epoch_ns + round(0.5e9 * span_s)
-    return (
-        (epoch_ns, "camera", (ahead, variance)),
-        (end_ns, "frame", (ahead, left, variance, span_s)),
-    )
+    kind, epoch = memory.waiting[0].sensor, memory.waiting[0].epoch_ns
+    values = memory.waiting[0].values.copy()
+    if kind != WHEELS or memory.imu_ns < 0 or epoch - memory.imu_ns > HELD_NS:
+        imu_at(epoch, memory, now)
+        _carry(epoch, at, now, mean, nominal, memory, tuning)
+    drop_first(memory)
+    if kind == IMU:
+        learn_noise(values, (epoch - memory.imu_ns) * 1e-9, nominal, memory)
+        memory.imu_ns = epoch
+        _hear(values, tuning, memory)
+    elif kind == WHEELS:
+        memory.speed_ns = epoch
+        for i in range(4):
+            memory.speed[i] = values[i]
+    if memory.lapse_s >= LAPSE_S or kind in (GNSS, CAMERA, FRAME):
+        _settle(h, at, room, nominal, tuning, memory)
+    if kind == GNSS:
+        take_gnss(values, h, nominal, tuning, memory)
+    elif kind == CAMERA and memory.known:
+        lean = motion.across(memory.x, memory)
+        foretold = rows.camera_ahead(memory.x, memory.imu, lean, nominal, memory, h)
+        r = values[2] + (tuning.camera_ahead_sd * values[0]) ** 2
+        take(memory.x, memory.p, h, values[0] - foretold, r, GATE)
+    elif kind == FRAME:
+        _take_frame(values, h, nominal, tuning, memory)
+
+
+@array_law
+def _carry(
+    epoch_ns: int, at: motion.Places, now: Array, mean: Array, nominal: Record, memory: Record,
+    tuning: Record,
+) -> None:  # fmt: skip
+    """Carry the mean to an epoch; after a gap start again, with the biases that are known."""
+    dt = (epoch_ns - memory.epoch_ns) * 1e-9
+    if memory.epoch_ns < 0 or dt > STALE_S:
+        forget(nominal, tuning, memory)
+    elif dt <= 0.0:
+        return
+    else:
+        over_step(now, dt, mean, nominal, memory)
+        ground.feel(mean, dt, memory)
+        if memory.known:
+            x = memory.x
+            lean = motion.across(x, memory)
+            motion.entries(x, mean, lean, dt, nominal, memory, at, memory.change)
+            motion.step(x, mean, lean, dt, nominal, memory)
+            ground.survey(motion.turning(x, mean), dt, memory)
+            memory.lapse_s += dt
+    memory.imu[:] = now
+    memory.epoch_ns = max(memory.epoch_ns, epoch_ns)
+
+
+@array_law
+def _settle(
+    h: Array, at: motion.Places, room: Array, nominal: Record, tuning: Record, memory: Record
+) -> None:
+    """Carry the covariance after the mean, and take what the slip filter said since."""
+    if memory.lapse_s > 0.0:
+        motion.carry(memory.p, at, memory.change, ENTRIES, room)
+        motion.noise(memory.x, memory.p, memory.imu, memory.lapse_s, nominal, tuning, memory, h)
+        memory.change[:] = 0.0
+        memory.lapse_s = 0.0
+        if not memory.heard[F_Y]:
+            motion.slide_on(memory.x, memory.p, memory.x[V_X] - memory.faster_mps)
+            memory.faster_mps = memory.x[V_X]
+    if memory.speed_ns >= 0:
+        take_speed(memory.speed, h, nominal, tuning, memory)
+        memory.speed_ns = -1
+
+
+@array_law
+def _hear(values: Array, tuning: Record, memory: Record) -> None:
+    """What the IMU has values of; with the first force across, the body's lean is told."""
+    if math.isfinite(values[F_Y]) and not memory.heard[F_Y]:
+        for state, sd in ((ROLL, tuning.lean_sd), (PITCH, tuning.lean_sd), (PUSH, 0.0)):
+            restart(memory.x, memory.p, state, 0.0, sd**2)
+    for i in range(5):
+        if math.isfinite(values[i]):
+            memory.heard[i] = 1
+
+
+@array_law
+def learn_noise(values: Array, dt: float, nominal: Record, memory: Record) -> None:
+    """Density of the white noise of the forces, never below the data sheet's.
+
+    d = f_k - 2 f_k-1 + f_k-2,   E d^2 = 6 var   for white noise; motion hardly enters d
+    """
+    square = 0.0
+    for i in range(2):
+        force = values[F_X + i]
+        square += (force - 2.0 * memory.accel[i, 0] + memory.accel[i, 1]) ** 2 / 12.0
+        memory.accel[i, 1] = memory.accel[i, 0]
+        memory.accel[i, 0] = force
+    least = nominal.accel_density**2
+    if memory.accel_psd == 0.0:
+        memory.accel_psd = ACCEL_PSD
+    if math.isfinite(square) and 0.0 < dt < STALE_S:
+        known = max(memory.accel_psd, least)
+        psd = min(SHARE * square * dt, MOST_SQUARE * known)
+        memory.accel_psd = max(known + (psd - known) / SETTLE, least)
+
+
+@array_law
+def over_step(now: Array, dt: float, mean: Array, nominal: Record, memory: Record) -> None:
+    """Rates and forces over a step, the forces brought from the unit to the rear axle.
+
+    f_axle = f - dw/dt x l - w x (w x l)
+    """
+    l_x, l_y, l_z = nominal.imu_m
+    for i in range(5):
+        mean[i] = 0.5 * (memory.imu[i] + now[i])
+    p1, q1 = (now[0] - memory.imu[0]) / dt, (now[1] - memory.imu[1]) / dt
+    r1 = (now[2] - memory.imu[2]) / dt
+    mean[F_X] -= q1 * l_z - r1 * l_y - mean[2] ** 2 * l_x
+    mean[F_Y] -= r1 * l_x - p1 * l_z - mean[2] ** 2 * l_y
+
+
+@array_law
+def forget(nominal: Record, tuning: Record, memory: Record) -> None:
+    """Speeds, heading, attitude and place become unknown, as after a gap; the biases stay.
+
+    What slid in a gap nobody knows: the slides' sd counts from here on.
+    """
+    x, p = memory.x, memory.p
+    if memory.epoch_ns < 0:
+        _begin(nominal, tuning, x, p)
+    memory.known, memory.placed, memory.fixed, memory.frame_ns = 0, 0, 0, -1
+    memory.law_ns = memory.speed_ns = -1
+    memory.lapse_s = 0.0
+    memory.change[:] = 0.0
+    lasting = (tuning.lasting_share * nominal.position_sd_m) ** 2
+    for state, var in (
+        (V_X, FREE_MPS**2), (V_Y, 1.0), (HEADING, FREE_RAD2), (ROLL, tuning.lean_sd**2),
+        (PITCH, tuning.lean_sd**2), (EAST, FREE_M**2), (NORTH, FREE_M**2), (RECEIVER_E, lasting),
+        (RECEIVER_N, lasting), (CAMERA_PULL, tuning.camera_pull_sd_mps**2), (ASIDE, 0.0),
+        (PUSH, 0.0),
+    ):  # fmt: skip
+        restart(x, p, state, 0.0, var)
+    for state in (SLIDE, SLIDE_REAR):
+        restart(x, p, state, x[state], 0.0)
+    memory.pulls = 0
+    memory.faster_mps = 0.0
+    memory.lateral_psd, memory.unrest = tuning.frame_psd, 1.0
+    ground.forget(memory)
+
+
+@array_law
+def _begin(nominal: Record, tuning: Record, x: Array, p: Array) -> None:
+    """What is known of the sensors' errors before the first sample."""
+    for state, mean, sd in (
+        (7, 0.0, nominal.gyro_bias_sd_radps), (8, 0.0, nominal.gyro_bias_sd_radps),
+        (9, 0.0, nominal.gyro_bias_sd_radps), (10, 0.0, tuning.gyro_scale_sd),
+        (11, 0.0, nominal.accel_bias_sd_mps2), (12, 0.0, nominal.accel_bias_sd_mps2),
+        (13, 0.0, tuning.misaligned_sd), (COMPLIANCE, tuning.compliance, tuning.compliance_sd),
+        (18, 0.0, tuning.camera_yaw_sd), (CAMERA_SCALE, 0.0, tuning.camera_scale_sd),
+    ):  # fmt: skip
+        restart(x, p, state, mean, sd**2)
+
+
+@array_law
+def _take_frame(values: Array, h: Array, nominal: Record, tuning: Record, memory: Record) -> None:
+    """Path to the left from the frame before, at this one.
+
+    The density q of the lateral speed's walk from frame to frame follows the innovation i and its
+    variance s, q += 3 (i^2 - s) / memory; an i beyond three sd is a slide that begins, a walk of
+    3 i^2 / T.
+    """
+    ahead, span_s = values[0], values[3]
+    x, p = memory.x, memory.p
+    known_s = (memory.epoch_ns - memory.frame_ns) * 1e-9 if memory.frame_ns >= 0 else 1e9
+    follows = abs(known_s - span_s) < SAME_S
+    memory.frame_ns = memory.epoch_ns
+    if not memory.known:
+        x[V_X], memory.known = ahead, 1
+    else:
+        lean = motion.across(x, memory)
+        beside = rows.camera_left(x, memory.imu, lean, nominal, memory)
+        frame = np.array([ahead, values[1], span_s])
+        error = -rows.camera_aside(x, frame, follows, beside, lean, nominal, memory, h)
+        r = values[2] + (math.sin(x[18]) * tuning.camera_ahead_sd * ahead) ** 2
+        r += 0.0 if follows else memory.lateral_psd * span_s / 3.0
+        sinks = math.sin(x[ROLL] - lean) * motion.sinking(x, memory.imu)
+        r += sinks**2 * max(motion.SINKS_S / span_s, 1.0)
+        take(x, p, h, error, r, GATE)
+        memory.lateral_ns = memory.camera_ns = memory.epoch_ns
+    restart(x, p, ASIDE, 0.0, 0.0)

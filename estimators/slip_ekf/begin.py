@@ -6,23 +6,25 @@ import math
 
 from estimators.kalman import Record
 from estimators.layout import STALE_S
+from estimators.slip_ekf.brixius import traction
 from estimators.slip_ekf.layout import (
-    ACROSS,
     BIAS,
     CAMERA,
     FROM_TOWED,
     FRONT,
-    LATE,
-    QUICK,
+    GNSS_BIAS,
+    LATENCY,
+    PITCH_SLIP,
+    PITCH_SLIP_RATE,
     RADIUS,
-    RATE,
     REAR,
-    RECEIVER,
     SIZE,
-    SWING,
-    SWING_RATE,
     TOWED,
-    USUAL,
+    TOWED_FAST,
+    TRACTION,
+    UNLOADED_SLIP,
+    V_Y,
+    W_RATE,
     WHEEL_BIAS,
     A,
     V,
@@ -34,18 +36,23 @@ from twin.compute.compiled import array_law
 SLOW_MPS = 0.3
 """Below this the first speeds say nothing of slip."""
 LEAST_BIAS_SD_MPS2 = 0.002
-"""No accelerometer's bias is taken to be smaller, whatever its data sheet says."""
-LATE_SD_S = 0.02
+"""Least sd of an accelerometer's bias, below which no data sheet is trusted."""
+LATENCY_SD_S = 0.02
 """sd of a receiver's error in its own time stamps."""
 ACCEL_SD_MPS2 = 1.0
 """sd of the first acceleration, by which speeds are other than some time ago."""
 LEAST_ALONG, LEAST_REST = 0.1, 0.01
 """Least of the front wheels' speed, squared, that is along the machine: they steer by 72 degrees at
 most; and of the root beyond which front wheels do not tell the turning, at 45 degrees."""
+FIRST_GNSS_BIAS = 0.7
+"""sd of the receiver error that lasts at the start, over the noise it states."""
 RADIUS_SD = 0.01
 """sd of the driven wheels' mean radius error: tyre pressure, wear, load."""
-USUAL_SD, NO_IDEA_SD = 0.05, 0.1
-"""sd of the usual slip about the first one, and where that says nothing."""
+UNLOADED_SLIP_MEAN, UNLOADED_SLIP_SD = 0.007, 0.006
+"""Slip with the plough out of the ground, and its sd from soil to soil: in the twin 0.3 to 0.6 % on
+firm soil by Brixius' and Bekker's laws, 1.8 % on soft soil."""
+FIRST_SLIP_SD, UNKNOWN_TRACTION_SD = 0.05, 0.5
+"""sd of the mean slip about the first one; sd of the mean traction where that is unknown."""
 
 
 @array_law
@@ -63,8 +70,8 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
     var = memory.first_var + (ACCEL_SD_MPS2 * waited_s) ** 2
     if math.isfinite(front):
         rolled = front
-        front, front_var = _along(signal, front, front_var, nominal)
-        _turn(rolled, front, signal, nominal, memory)
+        front, front_var = _rear_speed(signal, front, front_var, nominal)
+        _first_turning(rolled, front, signal, nominal, memory)
         front_var += (tuning.scale_sd * front) ** 2 + since_var
         if math.isfinite(speed):
             share = var / (var + front_var)
@@ -80,46 +87,46 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
         var += late_var * speed**2 if math.isfinite(front) else 0.0
     x, p = memory.x, memory.p
     memory.known = 1
-    memory.rim_mps, memory.spin = rear, 1.0
+    memory.rim_mps, memory.wheel_factor = rear, 1.0
     memory.step_s, memory.gyro = 0.0, math.nan
     for i in range(SIZE):
         x[i] = 0.0
         for j in range(SIZE):
             p[i, j] = 0.0
-    x[V], x[W] = speed, rear
+    x[V], x[W], x[UNLOADED_SLIP] = speed, rear, UNLOADED_SLIP_MEAN
     bias_sd = max(nominal.accel_bias_sd_mps2, LEAST_BIAS_SD_MPS2)
-    swing = tuning.swing_sd
+    swing = tuning.pitch_slip_sd
     for state, deviation in (
         (V, math.sqrt(var)),
-        (W, math.sqrt(rear_var + (RADIUS_SD * rear) ** 2 + since_var)),
+        (W, math.sqrt(rear_var + since_var)),
         (A, ACCEL_SD_MPS2),
-        (RATE, ACCEL_SD_MPS2),
-        (BIAS, math.hypot(nominal.gravity * tuning.leak_sd, bias_sd)),
+        (W_RATE, ACCEL_SD_MPS2),
+        (BIAS, math.hypot(nominal.gravity * tuning.gravity_sd, bias_sd)),
         (WHEEL_BIAS, bias_sd),
         (RADIUS, RADIUS_SD),
+        (UNLOADED_SLIP, UNLOADED_SLIP_SD),
         (TOWED, tuning.scale_sd),
         (CAMERA, tuning.scale_sd),
-        (QUICK, tuning.quick_sd),
-        (LATE, LATE_SD_S),
-        (RECEIVER, tuning.receiver_share * nominal.velocity_sd_mps),
-        (SWING, swing),
-        (SWING_RATE, swing * 2.0 * math.pi * tuning.swing_hz),
-        (ACROSS, 1.0),
+        (TOWED_FAST, tuning.towed_fast_sd),
+        (LATENCY, LATENCY_SD_S),
+        (GNSS_BIAS, FIRST_GNSS_BIAS * nominal.velocity_sd_mps),
+        (PITCH_SLIP, swing),
+        (PITCH_SLIP_RATE, swing * 2.0 * math.pi * tuning.pitch_hz),
+        (V_Y, 1.0),
         (REAR, math.sqrt(2.0 * rear_var) * tau),
         (FRONT, math.sqrt(2.0 * rear_var) * tau),
     ):
         p[state, state] = deviation**2
-    p[W, RADIUS] = p[RADIUS, W] = -(RADIUS_SD**2) * rear
     origin = tau > 0.0 and age == 0.0
-    memory.spans[0] = 1 if origin else 0
-    memory.spans[1] = 1 if origin and math.isfinite(front) else 0
+    memory.unbroken[0] = 1 if origin else 0
+    memory.unbroken[1] = 1 if origin and math.isfinite(front) else 0
     if math.isfinite(front):
         memory.seen_ns[FROM_TOWED], memory.seen_mps[FROM_TOWED] = signal.epoch_ns, front
-    _usual(memory)
+    _first_traction(memory)
 
 
 @array_law
-def _along(signal: Record, front: float, var: float, nominal: Record) -> tuple[float, float]:
+def _rear_speed(signal: Record, front: float, var: float, nominal: Record) -> tuple[float, float]:
     """Speed of the rear-axle centre from that of the towed wheels, and its variance.
 
     v^2 = front^2 - b^2,   b = wheelbase yaw rate
@@ -133,11 +140,11 @@ def _along(signal: Record, front: float, var: float, nominal: Record) -> tuple[f
     for driven in range(2):
         for left in (0, 2):
             track = nominal.track_rear_m if left else nominal.track_front_m
-            apart = signal.wheel_mps[left + 1] - signal.wheel_mps[left]
-            told = nominal.driven[left] == driven and math.isfinite(apart) and track > 0.0
-            if turn == 0.0 and told:
+            difference = signal.wheel_mps[left + 1] - signal.wheel_mps[left]
+            known = nominal.driven[left] == driven and math.isfinite(difference) and track > 0.0
+            if turn == 0.0 and known:
                 by, sd = nominal.wheelbase_m / track, signal.wheel_sd_mps
-                turn, turn_var = by * apart, by**2 * (sd[left] ** 2 + sd[left + 1] ** 2)
+                turn, turn_var = by * difference, by**2 * (sd[left] ** 2 + sd[left + 1] ** 2)
                 steered = left == 0
     turn_sq, front_sq = max(turn**2 - turn_var, 0.0), front**2  # noise is no turning
     spread = (turn_sq + turn_var) * turn_var
@@ -152,7 +159,9 @@ def _along(signal: Record, front: float, var: float, nominal: Record) -> tuple[f
 
 
 @array_law
-def _turn(rolled: float, v: float, signal: Record, nominal: Record, memory: Record) -> None:
+def _first_turning(
+    rolled: float, v: float, signal: Record, nominal: Record, memory: Record
+) -> None:
     """The turning that makes this of the first speeds: yaw rate, and right less left of both axles.
 
     wheelbase |yaw rate| = sqrt(rolled^2 - v^2)
@@ -165,22 +174,22 @@ def _turn(rolled: float, v: float, signal: Record, nominal: Record, memory: Reco
             sign = signal.wheel_mps[left + 1] - signal.wheel_mps[left]
     rate = math.sqrt(max(rolled**2 - v**2, 0.0)) / nominal.wheelbase_m
     memory.yaw_rate = math.copysign(rate, sign) if math.isfinite(sign) else 0.0
-    memory.apart_mps[0] = memory.yaw_rate * nominal.track_rear_m
+    memory.difference_mps[0] = memory.yaw_rate * nominal.track_rear_m
     along = v / rolled if rolled != 0.0 else 1.0
-    memory.apart_mps[1] = memory.yaw_rate * nominal.track_front_m * along
+    memory.difference_mps[1] = memory.yaw_rate * nominal.track_front_m * along
 
 
 @array_law
-def _usual(memory: Record) -> None:
-    """The first slip is the usual one, as far as anybody knows: 1 - v / w, its sd and 0.05 more."""
+def _first_traction(memory: Record) -> None:
+    """The mean traction begins as that of the first slip: 1 - v / w, its sd and 0.05 more."""
     x, p = memory.x, memory.p
     v, w = x[V], x[W]
-    p[USUAL, USUAL] = NO_IDEA_SD**2
+    p[TRACTION, TRACTION] = UNKNOWN_TRACTION_SD**2
     if max(abs(v), abs(w)) >= SLOW_MPS:
         turning = math.copysign(max(abs(w), SLOW_MPS), w)
-        x[USUAL] = max(-2.0, min(0.9, 1.0 - v / turning))
-        by_v, by_w = -1.0 / turning, v / turning**2
-        p[USUAL, USUAL] = by_v**2 * p[V, V] + by_w**2 * p[W, W] + USUAL_SD**2
-        p[V, USUAL] = p[USUAL, V] = by_v * p[V, V]
-        p[W, USUAL] = p[USUAL, W] = by_w * p[W, W]
-        p[RADIUS, USUAL] = p[USUAL, RADIUS] = by_w * p[W, RADIUS]
+        x[TRACTION], steep = traction(max(-2.0, min(0.9, 1.0 - v / turning)))
+        by_v, by_w = -steep / turning, steep * v / turning**2
+        var = by_v**2 * p[V, V] + by_w**2 * p[W, W] + (steep * FIRST_SLIP_SD) ** 2
+        p[TRACTION, TRACTION] = var
+        p[V, TRACTION] = p[TRACTION, V] = by_v * p[V, V]
+        p[W, TRACTION] = p[TRACTION, W] = by_w * p[W, W]

@@ -22,6 +22,7 @@ LOADS = {
 }  # fmt: skip
 """What tells of the load, and by how much it varies at work."""
 PLOUGH, FIRST_LOAD, HELD = 0, 1, 1 + len(LOADS)
+TORQUE = FIRST_LOAD + tuple(LOADS).index("axle_torque_nm")
 """Where they stand, and how many they are."""
 
 

@@ -7,26 +7,28 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.innovations import NOTES
 from estimators.slip_ekf.held import HELD
 
-V, A, W, RATE = range(4)
-"""Ground speed [m/s], its acceleration [m/s2], speed of the driven rims [m/s], its rate [m/s2]."""
-REAR, FRONT, READING = range(4, 7)
+V, A, W, W_RATE = range(4)
+"""Ground speed [m/s], its acceleration [m/s2], speed of the driven wheels as their nominal radius
+gives it [m/s], its rate [m/s2]."""
+REAR, FRONT, READ_DELAY = range(4, 7)
 """Travel of the driven and of the towed wheels less what has been counted [m], and by how much the
 counters were read after their stamp [s]."""
-RADIUS, TOWED, QUICK, CAMERA = range(7, 11)
+RADIUS, TOWED, TOWED_FAST, CAMERA = range(7, 11)
 """Relative errors: of the driven wheels' counted speed, of the towed wheels', its quick part, and
 of a camera's speed."""
-USUAL, SWING, SWING_RATE = range(11, 14)
-"""Slip that load and ground call for, slip that comes and goes as the body pitches on its tyres,
-and its rate [1/s]."""
-BIAS, TILTING, WHEEL_BIAS = range(14, 17)
+TRACTION, PITCH_SLIP, PITCH_SLIP_RATE = range(11, 14)
+"""Gross traction at the mean load over its most (`brixius`), slip that comes and goes as the body
+pitches on its tyres, and its rate [1/s]."""
+BIAS, BIAS_RATE, WHEEL_BIAS = range(14, 17)
 """Bias of the accelerometer with gravity's part [m/s2], the gyro's bias as the rate of that
 [m/s3], bias of a wheel accelerometer [m/s2]."""
-RECEIVER, LATE, ACROSS = range(17, 20)
-"""Error of GNSS that lasts [m/s], time by which it is later than it says [s], and velocity across
-the body [m/s]."""
-SIZE = 20
+GNSS_BIAS, LATENCY, V_Y, UNLOADED_SLIP = range(17, 21)
+"""Error of GNSS that lasts [m/s], time by which it is later than stated [s], velocity across
+the body [m/s], and slip of the axle with the plough out of the ground."""
+SIZE = 21
 NUMBER = np.arange(SIZE)
 """A number from here is no constant to the compiler, which would compile what it is passed to
 anew for each constant."""
@@ -48,12 +50,12 @@ ONE_WHEEL = 128
 
 FIRST_CAMERA_PSD = 1e-4
 """Density of the walk of a camera's scale before it is learnt: 1 % in a second [1/s]."""
-FIRST_SLIP_SD = 0.04
-"""sd of slip about the usual one before it is learnt; 0.03 ploughing."""
+FIRST_SPREAD_SD = 0.15
+"""sd of the traction about the one that the load calls for, before it is learnt."""
 FIRST_JITTER_S = 1e-3
 """sd of the instants of reading before any is learnt [s]: a log's resolution is often 1 ms."""
 LAGS = 10
-"""Accelerations kept, to hear how fast the motion changes."""
+"""Accelerations kept, which tell how fast the motion changes."""
 
 MEMORY = np.dtype(
     [
@@ -62,28 +64,31 @@ MEMORY = np.dtype(
         ("first_mps", "f8"), ("first_var", "f8"), ("first_ns", "i8"),
         # by source
         ("seen_ns", "i8", SOURCES), ("seen_mps", "f8", SOURCES), ("refused_ns", "i8", SOURCES),
-        ("off_mps", "f8", SOURCES), ("excess", "f8", SOURCES), ("white_ns", "i8", SOURCES),
-        ("white_last", "f8", (SOURCES, 2)), ("white_var", "f8", SOURCES),
-        ("nis_sum", "f8", SOURCES), ("nis_count", "i8", SOURCES),
+        ("mean_error_mps", "f8", SOURCES), ("noise_factor", "f8", SOURCES),
+        ("white_ns", "i8", SOURCES), ("white_last", "f8", (SOURCES, 2)),
+        ("white_var", "f8", SOURCES), ("nis_sum", "f8", SOURCES), ("nis_count", "i8", SOURCES),
         # the receiver's own rate
         ("repeated_mps", "f8"), ("changed_ns", "i8"), ("interval_s", "f8"),
-        ("lean", "f8"), ("lean_ns", "i8"),
+        ("mean_innovation", "f8"), ("mean_innovation_ns", "i8"),
         # wheels
-        ("spans", "i8", 2), ("step", "f8", 2), ("step_s", "f8"), ("counted", "i8"),
-        ("jitter_var", "f8"), ("count_var", "f8"), ("rim_mps", "f8"), ("apart_mps", "f8", 2),
-        ("lifted", "i8"), ("leaps", "i8", 2), ("miscount", "f8"), ("yaw_rate", "f8"),
+        ("unbroken", "i8", 2), ("step", "f8", 2), ("step_s", "f8"), ("counted", "i8"),
+        ("jitter_var", "f8"), ("count_var", "f8"), ("rim_mps", "f8"), ("difference_mps", "f8", 2),
+        ("lifted", "i8"), ("implausible", "i8", 2), ("last", "f8"), ("yaw_rate", "f8"),
         # motion
-        ("spin", "f8"), ("unrest", "f8"), ("off_towed", "f8"), ("slow", "f8", 2),
-        ("swings", "f8", 2), ("accel", "f8", LAGS), ("accel_ns", "i8", LAGS),
-        ("accel_count", "i8"), ("accel_var", "f8"), ("jerk_psd", "f8"),
+        ("wheel_factor", "f8"), ("motion_factor", "f8"), ("towed_innovation", "f8"),
+        ("slow_mps", "f8", 2), ("gain_sums", "f8", 2), ("accel", "f8", LAGS),
+        ("accel_ns", "i8", LAGS), ("accel_count", "i8"), ("accel_var", "f8"), ("jerk_psd", "f8"),
         ("gyro", "f8"), ("pitch_rad", "f8"), ("pitch_rate", "f8"), ("pitch_accel", "f8"),
         ("pitch_held_rad", "f8"), ("travelled_m", "f8"),
         # slip, load and camera
-        ("clear", "i8"), ("raised", "i8"), ("lowered", "i8"), ("slip_var", "f8"), ("slip_s", "f8"),
+        ("raised", "i8"), ("lowered", "i8"), ("torque", "f8", 2),
+        ("raised_s", "f8"), ("towed_before", "f8"), ("work_s", "f8"), ("work_slip", "f8"),
+        ("y_var", "f8"), ("slip_s", "f8"),
         ("mean_load", "f8", HELD), ("line", "f8", HELD), ("line_p", "f8", (HELD, HELD)),
         ("camera_psd", "f8"), ("camera_scale", "f8", 2), ("camera_ns", "i8"),
         # for a smoother
         ("keeps", "i8"), ("gained", "f8", SIZE), ("lost", "f8", (SIZE, SIZE)), ("cut", "i8", SIZE),
+        ("notes", NOTES),
     ],
     align=True,
 )  # fmt: skip
@@ -91,32 +96,36 @@ MEMORY = np.dtype(
 
 `first_*`: a ground speed from before the filter knows one, its variance, and its epoch.
 
-By source: `seen_*` when it last spoke, and the ground speed it gave; `refused_ns` since when it is
-refused, `off_mps` by how much on average; `excess` the factor of its lasting error's variance;
-`white_*` the variance of its white noise, and the speeds that is learnt from; `nis_*` the
+By source: `seen_*` epoch and ground speed of its last sample; `refused_ns` since when it is
+refused, `mean_error_mps` by how much on average; `noise_factor` of the variance of its lasting
+error; `white_*` the variance of its white noise, and the speeds that is learnt from; `nis_*` the
 normalised innovations squared. `repeated_mps`, `changed_ns`, `interval_s`: the receiver's last new
-speed, when it came, and after what time one usually does; `lean`, `lean_ns`: mean of its normalised
-innovations, and when that was last small.
+speed, when it came, and the mean time between two; `mean_innovation*`: mean of its
+normalised innovations, and when that was last small.
 
-By axle, driven and towed: `spans` 1 while the count has an unbroken origin; `step` the last counted
-travel, in `step_s`; `apart_mps` right less left; `leaps` samples in a row in which no wheel could
-be right. `jitter_var`, `count_var`: variances of the instants of reading and of an axle's counted
-travel, learnt from `counted` samples; `rim_mps`: counted speed of the driven wheels over some
-seconds; `lifted`: 1 more than the place of a towed wheel in the air; `miscount`: the last error of
-the driven wheels' count if it was too large to be noise.
+By axle, driven and towed: `unbroken` 1 while the count has an unbroken origin; `step` the last
+counted travel, in `step_s`; `difference_mps` right less left; `implausible` samples in a row in
+which no wheel could be right. `jitter_var`, `count_var`: variances of the instants of reading and
+of an axle's counted travel, learnt from `counted` samples; `rim_mps`: counted speed of the driven
+wheels over some seconds; `lifted`: 1 more than the place of a towed wheel in the air; `last`:
+e / sqrt(S) of the driven wheels' last count.
 
-`spin`: factor of the noise on the driven wheels' own motion; `unrest`: of that on both axles'
-motion, where no accelerometer tells it; `off_towed`: last e / sqrt(S) of the towed wheels; `slow`,
-`swings`: slow parts of both speeds, and how the quick ones swing together; `accel`: the last
-accelerations, newest first; `pitch_*`: how the body has turned nose down, and had at the last wheel
-sample.
+`wheel_factor`: factor of the noise on the driven wheels' own motion; `motion_factor`: of that on
+both axles' motion, without an accelerometer; `towed_innovation`: last e / sqrt(S) of the
+towed wheels; `slow_mps`, `gain_sums`: slow parts of both speeds, and sums over the quick ones;
+`accel`: the last accelerations, newest first; `pitch_*`: how the body has turned nose down, and had
+at the last wheel sample.
 
-`clear`: 1 while the plough is known to be raised; `raised`: 1 if it was when that was last known;
-`lowered`: 1 once it has been in the ground; `slip_var`: variance of slip about the usual one,
-learnt for `slip_s`; `mean_load`, `line`, `line_p`: the mean loads, the line from them to slip, and
-its covariance; `camera_*`: density of the walk of a camera's scale, and what that is learnt from.
+`raised`: 1 if the plough was when that was last known; `lowered`: 1 once it has been in the ground;
+`torque`: the axle's mean torque, raised and at work; `raised_s`, `work_s`, `work_slip`: for how
+long, and the mean slip at work; `towed_before`: error of the towed wheels as the plough went down;
+`y_var`: variance of the traction about the expected one, learnt for `slip_s`; `mean_load`, `line`,
+`line_p`: the mean loads, the line from them to traction, and its covariance; `camera_*`: density of
+the walk of a camera's scale, and what that is learnt from.
+
 `keeps`: 1 for a smoother, which needs what measurements have `gained` and `lost` of mean and
-covariance since the last prediction, and which states were `cut` off then."""
+covariance since the last prediction, and which states were `cut` off then;
+`notes`: the innovations of this sample."""
 
 
 def first_memory(jerk_psd: float) -> NDArray[Any]:
@@ -127,9 +136,10 @@ def first_memory(jerk_psd: float) -> NDArray[Any]:
             memory[name] = -1
     memory["white_last"] = memory["mean_load"] = np.nan
     memory["first_mps"] = memory["repeated_mps"] = memory["gyro"] = np.nan
-    memory["interval_s"] = memory["excess"] = memory["spin"] = memory["unrest"] = 1.0
+    for name in ("interval_s", "noise_factor", "wheel_factor", "motion_factor"):
+        memory[name] = 1.0
     memory["jerk_psd"] = jerk_psd
     memory["camera_psd"] = FIRST_CAMERA_PSD
-    memory["slip_var"] = FIRST_SLIP_SD**2
+    memory["y_var"] = FIRST_SPREAD_SD**2
     memory["jitter_var"] = FIRST_JITTER_S**2
     return memory

@@ -6,35 +6,37 @@ One function per kind of measurement, and none knows how the state moves.
 from __future__ import annotations
 
 from estimators.kalman import Array
+from estimators.slip_ekf.brixius import slip_of
 from estimators.slip_ekf.layout import (
     BIAS,
     CAMERA,
-    LATE,
-    QUICK,
+    GNSS_BIAS,
+    LATENCY,
+    PITCH_SLIP,
+    PITCH_SLIP_RATE,
     RADIUS,
-    RATE,
-    READING,
-    RECEIVER,
-    SWING,
-    SWING_RATE,
+    READ_DELAY,
     TOWED,
-    USUAL,
+    TOWED_FAST,
+    TRACTION,
+    UNLOADED_SLIP,
+    W_RATE,
     WHEEL_BIAS,
     A,
     V,
     W,
 )
-from estimators.slip_ekf.motion import longer
+from estimators.slip_ekf.motion import front_path
 from twin.compute.compiled import array_law
 
 
 @array_law
 def gnss(x: Array, age: float, h: Array) -> float:
     """Ground speed of `age` ago: v - a (age + late) + receiver [m/s]."""
-    lag = age + x[LATE]
+    lag = age + x[LATENCY]
     h[:] = 0.0
-    h[V], h[A], h[LATE], h[RECEIVER] = 1.0, -lag, -x[A], 1.0
-    return float(x[V] - lag * x[A] + x[RECEIVER])
+    h[V], h[A], h[LATENCY], h[GNSS_BIAS] = 1.0, -lag, -x[A], 1.0
+    return float(x[V] - lag * x[A] + x[GNSS_BIAS])
 
 
 @array_law
@@ -55,31 +57,32 @@ def accel(x: Array, h: Array) -> float:
 
 
 @array_law
-def towed(x: Array, age: float, front_turn: float, h: Array) -> float:
+def towed(x: Array, age: float, front_turn_mps: float, h: Array) -> float:
     """Speed of the towed wheels as their nominal radius gives it, `age` ago.
 
     hypot(v - a age, wheelbase yaw rate) (1 + towed + quick)
     """
     h[:] = 0.0
-    v, scale = x[V] - age * x[A], 1.0 + x[TOWED] + x[QUICK]
-    way, by_v = longer(v, front_turn)
-    h[V], h[A], h[TOWED], h[QUICK] = by_v * scale, -age * by_v * scale, way * v, way * v
-    return float(way * v * scale)
+    v, scale = x[V] - age * x[A], 1.0 + x[TOWED] + x[TOWED_FAST]
+    path_ratio, by_v = front_path(v, front_turn_mps)
+    h[V], h[A], h[TOWED], h[TOWED_FAST] = (
+        by_v * scale,
+        -age * by_v * scale,
+        path_ratio * v,
+        path_ratio * v,
+    )
+    return float(path_ratio * v * scale)
 
 
 @array_law
 def driven(x: Array, rim: float, age: float, h: Array) -> float:
     """Speed of the driven wheels as their nominal radius gives it, `age` ago.
 
-    (w + rim swing - age (r + rim swing')) (1 + radius)
+    w + rim p - age (r + rim p')
     """
     h[:] = 0.0
-    scale = 1.0 + x[RADIUS]
-    w = x[W] + rim * x[SWING] - age * (x[RATE] + rim * x[SWING_RATE])
-    h[W], h[RATE] = scale, -age * scale
-    h[SWING], h[SWING_RATE] = rim * scale, -age * rim * scale
-    h[RADIUS] = rim
-    return float(w * scale)
+    h[W], h[W_RATE], h[PITCH_SLIP], h[PITCH_SLIP_RATE] = 1.0, -age, rim, -age * rim
+    return float(x[W] + rim * x[PITCH_SLIP] - age * (x[W_RATE] + rim * x[PITCH_SLIP_RATE]))
 
 
 @array_law
@@ -89,35 +92,52 @@ def travel(x: Array, state: int, speed: float, h: Array) -> float:
     Both axles are read at once: by how much too late is one unknown.
     """
     h[:] = 0.0
-    h[state], h[READING] = 1.0, speed
-    return float(x[state] + speed * x[READING])
+    h[state], h[READ_DELAY] = 1.0, speed
+    return float(x[state] + speed * x[READ_DELAY])
 
 
 @array_law
 def wheel_accel(x: Array, h: Array) -> float:
     """Acceleration of the driven rims: r + bias [m/s2]."""
     h[:] = 0.0
-    h[RATE] = h[WHEEL_BIAS] = 1.0
-    return float(x[RATE] + x[WHEEL_BIAS])
+    h[W_RATE] = h[WHEEL_BIAS] = 1.0
+    return float(x[W_RATE] + x[WHEEL_BIAS])
 
 
 @array_law
-def usual_slip(x: Array, by_load: float, rim: float, h: Array) -> float:
-    """How far the ground speed is off what the usual slip makes it [m/s].
+def expected(x: Array, by_load: float, rim: float, h: Array) -> float:
+    """How far the ground speed is off what the load makes it [m/s].
 
-    v - w (1 - usual - by_load)
+    v - w (1 - slip(traction + by_load))
+
+    The gradient by traction is that at the mean load: one that went with the load would let the lag
+    of v behind the load move the traction.
     """
     h[:] = 0.0
-    h[V], h[W], h[USUAL] = 1.0, -(1.0 - x[USUAL] - by_load), rim
-    return float(x[V] - x[W] * (1.0 - x[USUAL] - by_load))
+    slip, _ = slip_of(x[TRACTION] + by_load)
+    _, steep = slip_of(x[TRACTION])
+    h[V], h[W], h[TRACTION] = 1.0, slip - 1.0, rim * steep
+    return float(x[V] - x[W] * (1.0 - slip))
 
 
 @array_law
-def no_slip(x: Array, zero_slip: float, h: Array) -> float:
-    """By how much the driven wheels are off what a slip known beforehand makes them [m/s]."""
+def no_slip(x: Array, rim: float, h: Array) -> float:
+    """By how much the driven wheels turn more than the slip without load makes them [m/s].
+
+    w (1 - zero) - v (1 + radius)
+    """
     h[:] = 0.0
-    h[W], h[V] = 1.0 - zero_slip, -1.0
-    return float((1.0 - zero_slip) * x[W] - x[V])
+    h[W], h[V], h[RADIUS], h[UNLOADED_SLIP] = 1.0 - x[UNLOADED_SLIP], -1.0 - x[RADIUS], -rim, -rim
+    return float(x[W] * (1.0 - x[UNLOADED_SLIP]) - x[V] * (1.0 + x[RADIUS]))
+
+
+@array_law
+def wheel_speed(x: Array, rim: float, h: Array) -> float:
+    """Speed of the driven wheels with their true radius: (w + rim p) / (1 + radius)."""
+    h[:] = 0.0
+    scale = 1.0 / (1.0 + x[RADIUS])
+    h[W], h[PITCH_SLIP], h[RADIUS] = scale, rim * scale, -rim * scale
+    return float((x[W] + rim * x[PITCH_SLIP]) * scale)
 
 
 @array_law

@@ -1,6 +1,6 @@
 """The offline smoother: slip-ekf forward, then Rauch, Tung and Striebel's smoother backward.
 
-It sees the whole log, so it is not causal, and what it says depends on where the log was cut.
+It sees the whole log, so it is not causal, and its estimates depend on where the log is cut.
 
 Source: Rauch, Tung and Striebel 1965, AIAA Journal 3, 1445.
 """
@@ -18,10 +18,11 @@ from estimators.estimate import SLOW_MPS
 from estimators.kalman import Array, Record
 from estimators.layout import OUT_OF_ORDER
 from estimators.slip_ekf import SLIP_EKF, SlipEkf, State, motion
-from estimators.slip_ekf.filter import advance, fading_s, measure
+from estimators.slip_ekf.filter import advance, measure
 from estimators.slip_ekf.held import USED, held
-from estimators.slip_ekf.layout import ACROSS, RADIUS, SIZE, SWING, V, W
-from estimators.slip_ekf.report import MOUNT_SD_RAD, slip_variance
+from estimators.slip_ekf.jerk import fading_s
+from estimators.slip_ekf.layout import SIZE, V_Y, V
+from estimators.slip_ekf.report import MOUNT_SD_RAD, slip
 from twin.compute.compiled import array_law
 from twin.streams import Setup, Streams, Table
 
@@ -55,7 +56,7 @@ class SlipEkfSmooth:
         if not len(table["epoch_ns"]):
             return after, table
         reader, samples = signals.read(state.reader, chunk, USED)
-        _, slower = held(state.held, chunk)
+        _, slow = held(state.held, chunk)
         memory, steps = state.memory.copy(), len(samples) + 1
         memory["keeps"] = 1
         nominal, tuning = reader.nominal[0], state.tuning[0]
@@ -64,20 +65,20 @@ class SlipEkfSmooth:
         before_cov, cov = np.zeros((steps, SIZE, SIZE)), np.zeros((steps, SIZE, SIZE))
         cut, given = np.ones((steps, SIZE), np.int64), np.zeros((steps, GIVEN))
         count = _forward(
-            samples, slower, nominal, tuning, memory[0], epoch_ns, before, before_cov, mean, cov,
+            samples, slow, nominal, tuning, memory[0], epoch_ns, before, before_cov, mean, cov,
             cut, given,
         )  # fmt: skip
         at = np.searchsorted(epoch_ns[:count], table["epoch_ns"])
         rim = given[at, RIM]
         # the body's pitching now, which is part of the estimate and not of the state
-        nodding = table["wheel_speed_mps"] - _rim_speed(mean[at], rim)
+        turned = table["wheel_speed_mps"] - _slips(mean[at], cov[at], rim, np.zeros(len(rim)))[0]
         _backward(count, tuning, before, before_cov, mean, cov, cut, given)
-        return after, _estimates(table, mean[at], cov[at], rim, nodding)
+        return after, _estimates(table, mean[at], cov[at], rim, np.nan_to_num(turned))
 
 
 @array_law
 def _forward(
-    samples: Any, slower: Array, nominal: Record, tuning: Record, memory: Record,
+    samples: Any, slow: Array, nominal: Record, tuning: Record, memory: Record,
     epoch_ns: NDArray[np.int64], before: Array, before_cov: Array, mean: Array, cov: Array,
     cut: NDArray[np.int64], given: Array,
 ) -> int:  # fmt: skip
@@ -89,7 +90,7 @@ def _forward(
     """
     n, known = -1, 0
     h, first, first_cov = np.zeros(SIZE), np.zeros(SIZE), np.zeros((SIZE, SIZE))
-    f, q, room = np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
+    f, q, scratch = np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
     for i in range(len(samples)):
         signal = samples[i]
         if signal.flags & OUT_OF_ORDER:
@@ -97,7 +98,7 @@ def _forward(
         was_ns = memory.time_ns
         rim, turn = memory.rim_mps, nominal.wheelbase_m * memory.yaw_rate
         fading = fading_s(tuning, memory)
-        advance(signal.epoch_ns, nominal, tuning, memory, f, q, room)
+        advance(signal.epoch_ns, nominal, tuning, memory, f, q, scratch)
         if memory.time_ns > was_ns or n < 0:
             n += 1
             epoch_ns[n], known = memory.time_ns, memory.known
@@ -105,7 +106,7 @@ def _forward(
             given[n, 3] = (memory.time_ns - was_ns) * 1e-9
             first[:] = memory.x
             first_cov[:, :] = memory.p
-        measure(signal, slower[i], h, nominal, tuning, memory)
+        measure(signal, slow[i], h, nominal, tuning, memory)
         given[n, RIM] = memory.rim_mps
         mean[n, :] = memory.x
         cov[n, :, :] = memory.p
@@ -130,10 +131,9 @@ def _backward(
 
     G = P_k F^T (P-_k+1)^-1
 
-    Where a state began anew at k+1, nothing of it goes back, and nothing of the radius: what the
-    filter only considers has no optimal gain.
+    A state that began anew at k+1 stands apart from the others there: nothing of it goes back.
     """
-    f, x = np.zeros((SIZE, SIZE)), np.zeros(SIZE)
+    f, x, ahead = np.zeros((SIZE, SIZE)), np.zeros(SIZE), np.zeros((SIZE, SIZE))
     for k in range(n - 2, -1, -1):
         whole = 0
         for i in range(SIZE):
@@ -146,12 +146,17 @@ def _backward(
         # a covariance of lengths, speeds and ratios: scaled to ones on its diagonal
         scale = np.sqrt(np.maximum(np.diag(before_cov[k + 1]), 1e-18))
         scaled = before_cov[k + 1] / np.outer(scale, scale) + 1e-9 * np.eye(SIZE)
-        gain = np.linalg.solve(scaled, (f @ cov[k]) / scale.reshape(-1, 1)).T
+        ahead[:, :] = (f @ cov[k]) / scale.reshape(-1, 1)
+        for i in range(SIZE):
+            if cut[k + 1, i]:
+                scaled[i, :] = scaled[:, i] = ahead[i, :] = 0.0
+                scaled[i, i] = 1.0
+        gain = np.linalg.solve(scaled, ahead).T
         gain = np.ascontiguousarray(gain / scale.reshape(1, -1))
         moved = mean[k + 1] - before[k + 1]
         change = cov[k + 1] - before_cov[k + 1]
         for i in range(SIZE):
-            if cut[k + 1, i] or i == RADIUS:
+            if cut[k + 1, i]:
                 moved[i] = 0.0
                 change[i, :] = 0.0
                 change[:, i] = 0.0
@@ -160,35 +165,36 @@ def _backward(
         cov[k] = 0.5 * (smoothed + smoothed.T)
 
 
-def _rim_speed(mean: Array, rim: Array) -> Array:
-    """w + rim swing of each row [m/s]."""
-    return np.asarray(mean[:, W] + rim * mean[:, SWING])
+@array_law
+def _slips(mean: Array, cov: Array, rim: Array, turned: Array) -> Array:
+    """Speed of the driven wheels [m/s], slip and its sd of each row, (3, n); see `report.slip`."""
+    found, h = np.empty((3, len(mean))), np.zeros(SIZE)
+    for i in range(len(mean)):
+        found[0, i], found[1, i], found[2, i] = slip(mean[i], cov[i], rim[i], turned[i], h)
+    return found
 
 
-def _estimates(table: Table, mean: Array, cov: Array, rim: Array, nodding: Array) -> Table:
+def _estimates(table: Table, mean: Array, cov: Array, rim: Array, turned: Array) -> Table:
     """The filter's table with the smoothed values in their places.
 
     Args:
         table: the filter's.
         mean, cov, rim: smoothed state, its covariance, and the averaged rim speed of each row.
-        nodding: what pitching adds to the wheels' speed over the ground [m/s].
+        turned: what pitching adds to the wheels' speed over the ground [m/s].
     """
     known = np.isfinite(table["slip"])
-    speed, wheel = mean[:, V], _rim_speed(mean, rim) + np.nan_to_num(nodding)
-    variance = np.array(
-        [slip_variance(p, v, w, r) for p, v, w, r in zip(cov, speed, wheel, rim, strict=True)]
-    )
-    slip = (wheel - speed) / np.maximum(np.maximum(np.abs(wheel), np.abs(speed)), SLOW_MPS)
-    v_y = mean[:, ACROSS]
+    speed = mean[:, V]
+    wheel, slips, sd = _slips(mean, cov, rim, turned)
+    v_y = mean[:, V_Y]
     turning = table["v_y_mps"] - table["speed_mps"] * np.tan(table["sideslip_rear_rad"])
     v_y_cg = v_y + np.nan_to_num(turning)
     fast, moving = np.abs(speed) >= SLOW_MPS, np.maximum(np.abs(speed), SLOW_MPS)
-    across_sd = np.hypot(np.sqrt(np.maximum(cov[:, ACROSS, ACROSS], 0.0)) / moving, MOUNT_SD_RAD)
+    across_sd = np.hypot(np.sqrt(np.maximum(cov[:, V_Y, V_Y], 0.0)) / moving, MOUNT_SD_RAD)
     found = {
         "speed_mps": speed,
         "wheel_speed_mps": wheel,
-        "slip": slip,
-        "slip_sd": np.sqrt(variance),
+        "slip": slips,
+        "slip_sd": sd,
     }
     across = {
         "v_y_mps": v_y_cg,

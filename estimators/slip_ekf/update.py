@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from estimators.kalman import Array, Record
-from estimators.slip_ekf.layout import RADIUS, SIZE
+from estimators.slip_ekf.layout import SIZE
 from twin.compute.compiled import array_law
 
 
@@ -24,14 +24,10 @@ def variance(p: Array, h: Array, r: float) -> float:
 def take(memory: Record, h: Array, error: float, r: float) -> None:
     """K = P H^T / S,  x <- x + K e,  P <- P - K S K^T, in place; P stays symmetric to the bit.
 
-    The radius is learnt only while the plough is known to be raised. Elsewhere nothing tells it
-    from slip but the linearisation, which changes with the slip and would feign it: its gain is
-    zero and its variance stays (Schmidt's consider state).
-
     Args:
         memory: record whose `x` and `p` are updated; a smoother has it keep what was gained.
         h: row of the measurement, (SIZE,).
-        error: what was measured less what was foretold.
+        error: innovation.
         r: variance of the measurement.
     """
     x, p = memory.x, memory.p
@@ -45,33 +41,26 @@ def take(memory: Record, h: Array, error: float, r: float) -> None:
         total += h[i] * ph[i]
     if not total > 0.0:
         return
-    kept = p[RADIUS, RADIUS]
     for i in range(SIZE):
         gain = ph[i] / total
-        if i != RADIUS or memory.clear:
-            x[i] += gain * error
+        x[i] += gain * error
         for j in range(i, SIZE):
             p[i, j] -= gain * ph[j]
             p[j, i] = p[i, j]
-    if not memory.clear:
-        p[RADIUS, RADIUS] = kept
     if memory.keeps:
         for i in range(SIZE):
-            if i != RADIUS or memory.clear:
-                memory.gained[i] += ph[i] / total * error
+            memory.gained[i] += ph[i] / total * error
             for j in range(SIZE):
                 memory.lost[i, j] += ph[i] / total * ph[j]
-        if not memory.clear:
-            memory.lost[RADIUS, RADIUS] -= ph[RADIUS] ** 2 / total
 
 
 @array_law
-def grow(p: Array, way: Array, by: float) -> None:
-    """One unknown of variance `by` that moves several states at once: P <- P + by way way^T."""
+def grow(p: Array, direction: Array, by: float) -> None:
+    """One unknown of variance `by` that moves several states at once: P <- P + by d d^T."""
     for i in range(SIZE):
-        if way[i] != 0.0:
+        if direction[i] != 0.0:
             for j in range(SIZE):
-                p[i, j] += by * way[i] * way[j]
+                p[i, j] += by * direction[i] * direction[j]
 
 
 @array_law

@@ -37,11 +37,11 @@ def options() -> Iterator[tuple[str, str]]:
 
 
 READ = {
-    "Scenario", "Soil", "Field", "Patch", "Plough", "Drive", "Course", "Tyre", "Options",
-    "Estimate", "Study", "Reproduce", "Validate", "Bench", "CompareControllers", "View", "List",
-    "Output", "Told", "Wheel", "Drawbar", "Slope", "Park",
+    "Scenario", "Soil", "Field", "Patch", "Plough", "Drive", "Course", "Driver", "Event", "Tyre",
+    "Options", "Estimate", "Study", "Reproduce", "Validate", "Bench", "CompareControllers", "View",
+    "List", "Output", "Told", "Wheel", "Drawbar", "Slope", "Park",
 }  # fmt: skip
-GROUPS = {"soil", "field", "plough", "drive", "course", "sensors", "tyre"}
+GROUPS = {"soil", "field", "plough", "drive", "course", "driver", "sensors", "tyre"}
 """Fields that are no options but hold some."""
 
 

@@ -7,17 +7,18 @@ import pytest
 
 from twin.cli import main
 from twin.control import policy
+from twin.control.baselines import BASELINES
 from twin.control.compare import compare, rows
-from twin.control.controllers import BASELINES
-from twin.control.trials import ENVIRONMENTS, HELD_OUT, PULL_QUANTITIES, QUANTITIES, TRAINING, drive
+from twin.control.judged import quantities
+from twin.control.trials import ENVIRONMENTS, HELD_OUT, TRAINING, drive
 from twin.env.vector import PloughVectorEnv
-from twin.errors import BadInput
 
 
 def test_differences_are_paired():
     """Grounds differ much, controllers by a constant: the difference has no interval left."""
     ground = np.array([0.1, 0.5, 0.9])
-    made = {n: dict.fromkeys(QUANTITIES, ground + d) for n, d in (("pi", 0.0), ("mine", 0.05))}
+    names = quantities("Plough-v0")
+    made = {n: dict.fromkeys(names, ground + d) for n, d in (("pi", 0.0), ("mine", 0.05))}
     last = rows(made)[-1]
     assert (last["case"], last["ours"]) == ("mine", pytest.approx(0.05))
     assert last["high"] - last["low"] == pytest.approx(0.0, abs=1e-12)
@@ -49,15 +50,17 @@ def test_what_is_measured_is_a_tractor_s(trials):
 
 def test_what_is_measured_of_a_pull_is_the_electric_tractor_s():
     seen = compare({"constant": ENVIRONMENTS["WheelSlip-v0"][1]["constant"]}, 3, 6.0, "truth",
-                   environment="WheelSlip-v0")["constant"]  # fmt: skip
-    assert seen.keys() == PULL_QUANTITIES.keys()
+                   environment="WheelSlip-v0").measured["constant"]  # fmt: skip
+    assert seen.keys() == quantities("WheelSlip-v0").keys()
     assert np.all((seen["speed"] > 0.5) & (seen["speed"] < 3.0))
     assert np.all((seen["traction_efficiency"] > 0.2) & (seen["traction_efficiency"] < 0.95))
     assert np.all(seen["slip_rms_error"] < 0.6)
 
 
 def test_both_ways_of_seeing_drive_the_same_grounds():
-    done = {m: compare({"pi": BASELINES["pi"]}, 2, 6.0, m)["pi"] for m in ("truth", "estimate")}
+    done = {
+        m: compare({"pi": BASELINES["pi"]}, 2, 6.0, m).measured["pi"] for m in ("truth", "estimate")
+    }
     np.testing.assert_allclose(done["truth"]["work_rate"], done["estimate"]["work_rate"], atol=0.1)
 
 
@@ -70,7 +73,7 @@ def test_features_are_of_order_one_and_the_policy_adds_to_the_pi_and_holds(name)
             Model.calls += 1
             assert observation.shape == (2, task.size)
             assert np.abs(observation).max() <= 5.0
-            return np.full((2, 2), 0.5), None
+            return np.full((2, len(task.reach)), 0.5), None
 
     task, base = policy.TASKS[name], policy.TASKS[name].base
     env = ENVIRONMENTS[name][0](2, observation="truth")
@@ -87,15 +90,6 @@ def test_features_are_of_order_one_and_the_policy_adds_to_the_pi_and_holds(name)
     assert Model.calls == 2
 
 
-def test_a_file_that_is_no_policy_is_named(tmp_path):
-    pytest.importorskip("stable_baselines3")
-    with pytest.raises(BadInput, match="there is no such file"):
-        policy.load(tmp_path / "none.zip")
-    (tmp_path / "bad.zip").write_text("not a zip")
-    with pytest.raises(BadInput, match="no policy of PPO, SAC, TD3, A2C"):
-        policy.load(tmp_path / "bad.zip")
-
-
 @pytest.mark.slow
 def test_the_command_prints_and_writes_rows(tmp_path, capsys):
     file = tmp_path / "rows.json"
@@ -104,7 +98,7 @@ def test_the_command_prints_and_writes_rows(tmp_path, capsys):
     said = capsys.readouterr().out
     written = json.loads(file.read_text())["rows"]
     assert {row["case"] for row in written} == set(BASELINES)
-    assert {row["quantity"] for row in written} >= set(QUANTITIES)
+    assert {row["quantity"] for row in written} >= set(quantities("Plough-v0"))
     assert all(name in said for name in BASELINES)
 
 

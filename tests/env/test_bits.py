@@ -8,12 +8,22 @@ import pytest
 from twin.env import IDS
 from twin.env.observations import MODES
 from twin.env.plough import PloughEnv
-from twin.env.vector import PloughVectorEnv, WheelSlipVectorEnv
+from twin.env.plough_field import PloughFieldEnv
+from twin.env.slip_line import SlipLineEnv
+from twin.env.vector import (
+    PloughFieldVectorEnv,
+    PloughVectorEnv,
+    SlipLineVectorEnv,
+    WheelSlipVectorEnv,
+)
 from twin.env.wheel_slip import WheelSlipEnv
 
-KINDS = dict(
-    zip(IDS, ((PloughEnv, PloughVectorEnv), (WheelSlipEnv, WheelSlipVectorEnv)), strict=True)
-)
+KINDS = {
+    "Plough-v0": (PloughEnv, PloughVectorEnv),
+    "WheelSlip-v0": (WheelSlipEnv, WheelSlipVectorEnv),
+    "Plough-v1": (PloughFieldEnv, PloughFieldVectorEnv),
+    "WheelSlip-v1": (SlipLineEnv, SlipLineVectorEnv),
+}
 SEED = 3
 
 
@@ -27,10 +37,11 @@ def bits(episode):
 
 
 def repeats_itself(name, mode, steps):
-    random = np.random.default_rng(3).uniform(-1.0, 1.0, (steps, 2, 2))
-    actions = (0.4 + 0.3 * random).astype("f4")  # none that stalls
     single, vector = KINDS[name]
     env = single(mode)
+    shape = (steps, 2, *env.action_space.shape)
+    random = np.random.default_rng(3).uniform(-1.0, 1.0, shape)
+    actions = (0.4 + 0.3 * random).astype("f4")  # none that stalls
     once = bits(rolled(env, actions))
     assert not any(step[2] for step in once)
     copy = pickle.loads(pickle.dumps(env))  # in the midst of an episode

@@ -24,12 +24,13 @@ def test_an_episode_is_recorded_with_tractor_actions_and_reward(name, tmp_path):
         gymnasium.make(f"twin.env:{name}", observation="estimate", max_episode_steps=60), tmp_path
     )
     env.reset(seed=1, options={"field.patches": [(5.0, 3.0, 0.7, 0.8)]})
-    ends = [env.step(np.array([0.5, 0.5], dtype=np.float32))[3] for _ in range(60)]
+    action = np.full(env.action_space.shape, 0.5, dtype=np.float32)
+    ends = [env.step(action)[3] for _ in range(60)]
     assert ends[-1]
     assert [file.name for file in tmp_path.iterdir()] == ["episode_0.rrd"]
     env.reset(seed=2)
     env.reset(seed=3)  # nothing happened in the one before
-    env.step(np.zeros(2, dtype=np.float32))
+    env.step(0.0 * action)
     env.close()
     assert sorted(file.name for file in tmp_path.iterdir()) == ["episode_0.rrd", "episode_1.rrd"]
     said = told(tmp_path / "episode_0.rrd")

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from estimators import bounds
 from estimators.bounds import bound
 from estimators.riccati import System, steady, through
 from estimators.slip_ekf import SLIP_EKF
@@ -82,3 +83,115 @@ def test_blind_the_bound_grows_unless_the_front_wheels_are_counted():
     inside = (at > 30.0) & (at < 40.0)
     error = (table["slip"] - DRIVE.slip(at))[inside]
     assert error.std() > 0.7 * counted.slip_causal  # none is better than the bound, by chance a bit
+
+
+def by_brute_force(system, first, seen, state):
+    """Variances of a state at each step, given all that is measured up to it, and all there is.
+
+    The trajectory as one Gaussian vector, conditioned on the measurements: no recursion.
+    """
+    n, size = len(seen), len(first)
+    marginal = [first]
+    for _ in range(n - 1):
+        marginal.append(system.transition @ marginal[-1] @ system.transition.T + system.process)
+    joint = np.zeros((n * size, n * size))
+    for j in range(n):
+        block = marginal[j]
+        for i in range(j, n):
+            rows, columns = slice(i * size, (i + 1) * size), slice(j * size, (j + 1) * size)
+            joint[rows, columns], joint[columns, rows] = block, block.T
+            block = system.transition @ block
+    step, row = np.nonzero(seen)
+    h = np.zeros((len(step), n * size))
+    for k in range(len(step)):
+        h[k, step[k] * size : (step[k] + 1) * size] = system.rows[row[k]]
+    noise = system.variances[row]
+
+    def left(at, used):
+        some = h[used] @ joint
+        gain = np.linalg.solve(some @ h[used].T + np.diag(noise[used]), some[:, at])
+        return joint[at, at] - some[:, at] @ gain
+
+    at = np.arange(n) * size + state
+    causal = [left(at[k], step <= k) for k in range(n)]
+    return np.array(causal), np.array([left(each, step >= 0) for each in at])
+
+
+def moving():
+    """Streams of every kind, and the truth, of a straight drive that slides a little."""
+    setup = synthetic.setup(gnss=dataclasses.replace(SETUP.gnss, velocity_sd_mps=0.03))
+    made = synthetic.streams(dataclasses.replace(DRIVE, gnss_delay_s=0.06), setup)
+    rng, t = np.random.default_rng(4), synthetic.times(DRIVE, 50.0)
+    frames, loads = synthetic.times(DRIVE, 30.0), synthetic.times(DRIVE, 10.0)
+    camera = synthetic.stamps(frames, 0.05) | {
+        "v_x_mps": DRIVE.speed(frames), "v_y_mps": 0.0 * frames,
+        "var_x_m2ps2": np.full_like(frames, 0.01**2), "var_y_m2ps2": np.full_like(frames, 0.01**2),
+        "interval_s": np.full_like(frames, 1.0 / 30.0), "used": np.ones_like(frames),
+    }  # fmt: skip
+    draft_n = 1e5 * DRIVE.slip(loads) + 500.0 * rng.standard_normal(len(loads))
+    machine = synthetic.stamps(loads) | {"draft_pin_n": draft_n}
+    v_y = np.convolve(rng.standard_normal(len(t)), np.exp(-np.arange(100) / 20.0), "same") * 0.004
+    truth = synthetic.stamps(t) | {
+        "speed_mps": DRIVE.speed(t) + 0.0005 * np.cumsum(rng.standard_normal(len(t))),
+        "slip": DRIVE.slip(t) + 0.0005 * rng.standard_normal(len(t)),
+        "wheel_speed_mps": DRIVE.speed(t) / (1.0 - DRIVE.slip(t)),
+        "v_y_rear_mps": v_y,
+    }
+    return setup, Streams({**made.tables, "camera": camera, "machine": machine}), truth
+
+
+def without(streams, *names):
+    return Streams({name: table for name, table in streams.tables.items() if name not in names})
+
+
+@pytest.mark.parametrize("across", [True, False])
+@pytest.mark.parametrize("gap", [True, False])
+def test_every_stream_counts_as_in_a_posterior_by_brute_force(across, gap):
+    setup, streams, truth = moving()
+    if across:
+        model, name = bounds._across(setup, streams, truth, 0.02), "v_y"
+    else:
+        motion = bounds._motion(truth, setup, 0.02)
+        model, name = bounds._along(setup, streams, truth, motion, 0.02, truth), "slip"
+    assert {"gnss", "camera"} <= set(model.of)
+    assert across or {"wheels", "imu", "machine"} <= set(model.of)
+    seen = np.ones((30, len(model.of)), bool)
+    if gap:
+        seen[5:20, [sensor == "gnss" for sensor in model.of]] = False
+    after, _ = steady(model.system)
+    first = model.system.transition @ after @ model.system.transition.T + model.system.process
+    causal, offline = by_brute_force(model.system, first, seen, model.at[name])
+    longer = np.ones((800, len(model.of)), bool)
+    longer[400:430] = seen
+    by_filter, by_smoother = through(model.system, longer, model.at[name])
+    assert by_filter[400:430] == pytest.approx(causal, rel=1e-3)
+    assert (by_smoother[400:430] <= offline * 1.001).all()  # it knows what comes after, too
+    assert by_smoother[400] == pytest.approx(offline[0], rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("names", "of", "worse"),
+    [
+        (("camera",), "sideslip_causal_rad", 1.5),
+        (("camera", "imu"), "sideslip_causal_rad", 1.6),
+        (("camera",), "speed_causal_mps", 1.0),
+        (("machine",), "slip_causal", 1.0),
+    ],
+)
+def test_a_stream_less_is_a_larger_bound(names, of, worse):
+    setup, streams, truth = moving()
+    all_of_them = bound(setup, streams, truth, (1.0, 61.0))
+    fewer = bound(setup, without(streams, *names), truth, (1.0, 61.0))
+    assert getattr(fewer, of) > worse * getattr(all_of_them, of)
+
+
+def test_a_gyro_averages_the_noise_of_a_heading():
+    """Without it every heading stands for itself."""
+    setup, streams, truth = moving()
+    streams = without(streams, "camera")
+    setup = dataclasses.replace(
+        setup, gnss=dataclasses.replace(setup.gnss, heading_sd_rad=0.05, velocity_sd_mps=0.002)
+    )
+    with_gyro = bound(setup, streams, truth, (1.0, 61.0)).sideslip_causal_rad
+    alone = bound(setup, without(streams, "imu"), truth, (1.0, 61.0)).sideslip_causal_rad
+    assert with_gyro < 0.5 * alone

@@ -81,6 +81,14 @@ def test_ratio(estimator):
     assert_consistent(((table["slip"] - 0.2) / table["slip_sd"]) ** 2)
 
 
+def test_the_ratio_of_an_old_velocity_is_less_sure():
+    rng = np.random.default_rng(1)
+    stream = streams(rng, np.full(500, 1.6), None, np.full((500, 2), 2.0), 0.02, gnss_every=50)
+    _, table = RATIO.run(RATIO.init(SETUP), stream)
+    fresh, old = table["slip_sd"][400], table["slip_sd"][449]
+    assert old == pytest.approx(np.hypot(fresh, 0.3 * 0.98 / 2.0), rel=0.02)
+
+
 def test_four_state():
     psd, n = 0.5, 120
     estimator = FourState(
@@ -159,11 +167,11 @@ def test_kf_tuned():
 
 AS_DRAWN = {
     "jerk_psd": 0.005,
-    "load_gain": 0.5,
-    "own_share": 0.25,
-    "quick_sd": 1e-6,
-    "swing_sd": 1e-6,
-    "receiver_share": 1e-6,
+    "wheel_jerk_gain": 0.5,
+    "wheel_jerk_share": 0.25,
+    "towed_fast_sd": 1e-6,
+    "pitch_slip_sd": 1e-6,
+    "gnss_bias_share": 1e-6,
     "gate": 6.0,
 }
 """Only what `slip_motion` draws, and no gate, which cuts the innovations it does not refuse."""
@@ -171,16 +179,16 @@ AS_DRAWN = {
 
 def slip_motion(rng, e, n, dt=0.02):
     """Speeds of ground and wheels as the slip filter models them, (n, 4): v, a, w, r."""
-    gain = e.load_gain
-    psd = e.jerk_psd * np.array([[1.0, gain], [gain, gain**2 + e.own_share]])
+    gain = e.wheel_jerk_gain
+    psd = e.jerk_psd * np.array([[1.0, gain], [gain, gain**2 + e.wheel_jerk_share]])
     fade = np.exp(-dt / e.fading_s)
     states = [np.array([1.7, 0.1 * rng.standard_normal(), 2.0, 0.1 * rng.standard_normal()])]
-    for jolt in rng.multivariate_normal([0.0, 0.0], psd * dt, n - 1):
+    for excess in rng.multivariate_normal([0.0, 0.0], psd * dt, n - 1):
         v, a, w, rate = states[-1]
         v, w = v + dt * a, w + dt * rate
         states.append(
-            np.array([v + 0.5 * dt * jolt[0], fade * a + jolt[0],
-                      w + 0.5 * dt * jolt[1], fade * rate + jolt[1]])
+            np.array([v + 0.5 * dt * excess[0], fade * a + excess[0],
+                      w + 0.5 * dt * excess[1], fade * rate + excess[1]])
         )  # fmt: skip
     return np.array(states)
 
@@ -198,8 +206,8 @@ def test_slip_ekf():
         rng = np.random.default_rng((5, seed))
         n = 600
         v, a, w, _ = slip_motion(rng, estimator, n).T
-        leak = np.hypot(estimator.leak_sd, 0.1) * rng.standard_normal()
-        leak = leak + np.cumsum(np.sqrt(estimator.leak_psd * 0.02) * rng.standard_normal(n))
+        leak = np.hypot(estimator.gravity_sd, 0.1) * rng.standard_normal()
+        leak = leak + np.cumsum(np.sqrt(estimator.gravity_psd * 0.02) * rng.standard_normal(n))
         counted = w * (1.0 + RADIUS_SD * rng.standard_normal())
         front = v * (1.0 + estimator.scale_sd * rng.standard_normal())
         stream = streams(rng, v, a + leak, np.array([counted, counted]).T, 0.02, front=front)

@@ -71,7 +71,11 @@ def test_frames_are_saved_on_request_and_are_the_seeds(short, tmp_path):
 def test_on_board_velocities_do_not_depend_on_how_the_run_was_cut(short, monkeypatch):
     result, _ = short
     simulate = calibration.simulate
-    monkeypatch.setattr(calibration, "simulate", lambda machine: simulate(machine, 7))
+    monkeypatch.setattr(
+        calibration,
+        "simulate",
+        lambda machine, set_levers=None: simulate(machine, 7, set_levers),
+    )
     again = camera_run().streams["camera"]
     for name, column in result.streams["camera"].items():
         np.testing.assert_array_equal(column, again[name], err_msg=name)

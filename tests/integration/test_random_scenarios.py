@@ -125,16 +125,19 @@ def simple(rng, kind, leaving=()):
     return {n: drawn(rng, c) for n, c in choices if isinstance(c, tuple) and n not in leaving}
 
 
-def patch(rng, ground):
-    """A patch on which the soil mostly stays within its ranges."""
-    values = simple(rng, Patch)
-    if rng.random() < 0.9:
-        for name, (low, high) in (("friction", FRICTIONS), ("cone_index_kpa", CONE_INDICES_KPA)):
-            kind = f"{name.removesuffix('_kpa')}_factor"
-            own = getattr(ground.resolved, name)
-            if not math.isnan(own):
-                values[kind] = min(max(values[kind], min(1.0, 2.0 * low / own)), 0.7 * high / own)
-    return Patch(**values)
+def patch(rng):
+    """A patch, and whether the soils on it are to stay within their ranges, as most are."""
+    return simple(rng, Patch), rng.random() < 0.9
+
+
+def within_ranges(values, grounds):
+    """A patch's values, its factors brought to where soils mostly stay within their ranges."""
+    for name, (low, high) in (("friction", FRICTIONS), ("cone_index_kpa", CONE_INDICES_KPA)):
+        kind = f"{name.removesuffix('_kpa')}_factor"
+        owns = [v for v in (getattr(g.resolved, name) for g in grounds) if not math.isnan(v)]
+        for own in owns:
+            values[kind] = min(max(values[kind], min(1.0, 2.0 * low / own)), 0.7 * high / own)
+    return values
 
 
 def scenario(seed):
@@ -167,19 +170,25 @@ def scenario(seed):
     if course["approach_m"] < LEAST_APPROACH_M or not course["hold_line"] or course.get("edge_m"):
         course["passes"] = 1
     ground = soil(rng)
-    patches = tuple(patch(rng, ground) for _ in range(rng.integers(MOST_PATCHES + 1)))
+    drawn_patches = [patch(rng) for _ in range(rng.integers(MOST_PATCHES + 1))]
     ploughed = simple(rng, Plough, HITCHED) | hitched if ploughs else {}
     if ploughs and (implement or machine in OTHERS):  # as deep as the implement works
         tool = files.implement(implement or files.machine(machine).implement or "plough_2")
         (low, high), (shallow, deep) = RANGES[Plough]["depth_m"], tool.depths_m
         share = (ploughed["depth_m"] - low) / (high - low)
         ploughed |= {"depth_m": shallow + share * (deep - shallow), "deepest_m": None}
+    other = soil(rng)
+    grounds = (ground, other) if field["other_share"] > 0.0 else (ground,)
+    patches = tuple(
+        Patch(**(within_ranges(values, grounds) if within else values))
+        for values, within in drawn_patches
+    )
     return Scenario(
         name=f"random-{seed}",
         machine=machine,
         implement=implement,
         soil=ground,
-        field=Field(**field, patches=patches, other_soil=soil(rng)),
+        field=Field(**field, patches=patches, other_soil=other),
         plough=Plough(**ploughed) if ploughs else None,
         drive=Drive(**drive),
         course=Course(**course),

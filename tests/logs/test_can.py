@@ -159,5 +159,5 @@ def test_an_absent_extra_says_what_to_install(tmp_path, monkeypatch):
         (tmp_path / "a.mcap", "ros"),
         (tmp_path / "a.ubx", "ubx"),
     ):
-        with pytest.raises(BadInput, match=rf"pip install 'tractor-twin\[{extra}\]'"):
+        with pytest.raises(BadInput, match=rf"pip install '\.\[{extra}\]' in a checkout"):
             read(path)

@@ -95,7 +95,7 @@ def test_a_reversible_plough_is_turned_over():
     [
         ({"approach_m": 5.0}, r"course.approach_m = 5 is outside \[15, 500\]"),
         ({"hold_line": False}, "course.passes = 2 needs a driver"),
-        ({"passes": 0}, r"course.passes = 0 is outside \[1, 100\]"),
+        ({"passes": 0}, r"course.passes = 0 is outside \[1, 1000\]"),
     ],
 )
 def test_passes_that_cannot_be_driven_are_refused(given, message):

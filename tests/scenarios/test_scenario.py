@@ -1,11 +1,12 @@
 """Every field of a scenario is refused by name where it means nothing."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
 from twin.errors import OutOfRange, UnknownName
-from twin.scenario import Course, Drive, Field, Patch, Plough, Scenario, Soil
+from twin.scenario import Course, Drive, Driver, Field, Patch, Plough, Scenario, Soil
 from twin.scenario.soil import DEFORMABLE_RANGES
 from twin.scenario.soils import PRESETS
 
@@ -30,8 +31,8 @@ LIMITS = [
     (Soil, "soil.stress_peak", 0.0, 0.8),
     (Soil, "soil.stress_peak_slip", 0.0, 0.5),
     (Soil, "soil.slip_sinkage", 0.0, 5.0),
-    (Patch, "patch.start_m", -1000.0, 10000.0),
-    (Patch, "patch.length_m", 0.5, 10000.0),
+    (Patch, "patch.start_m", -20000.0, 10000.0),
+    (Patch, "patch.length_m", 0.5, 40000.0),
     (Patch, "patch.friction_factor", 0.1, 2.0),
     (Patch, "patch.cone_index_factor", 0.1, 4.0),
     (Field, "field.cross_slope_deg", -25.0, 25.0),
@@ -59,6 +60,14 @@ LIMITS = [
     (Course, "course.length_m", 1.0, 5000.0),
     (Course, "course.calibration_m", 5.0, 500.0),
     (Course, "course.heading_deg", -180.0, 180.0),
+    (Course, "course.road_m", 0.0, 20000.0),
+    (Driver, "driver.reaction_s", 0.0, 3.0),
+    (Driver, "driver.headland_rpm", 100.0, 9000.0),
+    (Driver, "driver.road_rpm", 100.0, 9000.0),
+    (Driver, "driver.pause_s", 0.0, 30.0),
+    (Driver, "driver.headland_rpm_sd", 0.0, 1000.0),
+    (Driver, "driver.headland_kmh", 0.5, 20.0),
+    (Driver, "driver.road_kmh", 1.0, 60.0),
     (Soil, "soil.k_c_kn_per_m_n1", 0.0, 1000.0),
     (Soil, "soil.k_phi_kn_per_m_n2", 10.0, 1e5),
     (Soil, "soil.sinkage_exponent", 0.1, 1.6),
@@ -109,7 +118,7 @@ def test_the_presets_own_numbers_are_in_range():
 
 def test_no_numeric_field_is_left_unchecked():
     checked = {name.split(".")[1] for _, name, *_ in LIMITS}
-    for part in (Soil, Patch, Field, Plough, Drive, Course):
+    for part in (Soil, Patch, Field, Plough, Drive, Course, Driver):
         numeric = {n for n, t in part.__annotations__.items() if "float" in str(t)}
         assert numeric <= checked
 
@@ -152,3 +161,13 @@ def test_a_time_step_is_one_of_three_and_patches_are_four_at_most():
     assert len(Field(patches=patches[:4]).patches) == 4
     with pytest.raises(OutOfRange, match=r"field\.patches = 5"):
         Field(patches=patches)
+
+
+def test_patches_are_held_to_the_ranges_of_the_other_soil_where_there_is_some():
+    soft = Soil(preset="soft", cone_index_kpa=60.0)
+    patches = (Patch(start_m=0.0, length_m=10.0, cone_index_factor=0.5),)
+    alone = Field(patches=patches, other_soil=soft)
+    firm = Soil(cone_index_kpa=1000.0)
+    Scenario(name="all of the first", soil=firm, field=alone)
+    with pytest.raises(OutOfRange, match=r"field\.patches\[0\].*field\.other_soil\.cone_index_kpa"):
+        Scenario(name="both", soil=firm, field=replace(alone, other_share=0.3))

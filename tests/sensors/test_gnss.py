@@ -166,7 +166,78 @@ def test_float_and_single_errors_have_their_sd_and_correlation_time(mode, column
     error = errors(truth, table)[rows, 0]
     expected = {"float": 0.35, "single": 1.5}[mode]
     assert error.std() == pytest.approx(expected, rel=0.1)
-    assert -60 / np.log(covariance(error, 60) / covariance(error, 0)) == pytest.approx(60, rel=0.1)
+    time_s = {"float": Gnss().float_tau_s, "single": Gnss().single_tau_s}[mode]
+    for lag_s in (30, 120):
+        due = (1 + lag_s / time_s) * np.exp(-lag_s / time_s)
+        left = (covariance(error, lag_s) - white_m2(lag_s)) / (covariance(error, 0) - white_m2(0))
+        assert left == pytest.approx(due, rel=0.1)
+
+
+def white_m2(lag):
+    return Gnss().white_sd_m ** 2 * (lag == 0)
+
+
+def stop_and_go(stop_s=600.0, start_s=1200.0, end_s=1500.0):
+    """Drives, stands and drives again."""
+    truth = drive(end_s, speed_mps=0.0, step_ns=50_000_000)
+    t = truth.epoch_ns * 1e-9
+    moves = (t < stop_s) | (t >= start_s)
+    velocity = np.stack([1.5 * moves, 0.0 * t, 0.0 * t], axis=1)
+    truth.columns["antenna_main_velocity_w"] = velocity
+    truth.columns["antenna_main_w"] = np.cumsum(velocity, axis=0) * 0.05
+    return truth
+
+
+def test_a_receiver_at_rest_is_as_quiet_as_a_real_one():
+    truth = stop_and_go()
+    table = collect(gnss, Gnss(), [truth])
+    t = table["epoch_ns"] * 1e-9
+    error = table["v_east_mps"] - truth["antenna_main_velocity_w"][:, 0]
+    speed = np.hypot(table["v_east_mps"], table["v_north_mps"])[(t > 604) & (t < 1200)]
+    assert np.median(speed) == pytest.approx(3.7e-3, rel=0.1)
+    assert np.percentile(speed, 99) == pytest.approx(9e-3, rel=0.2)
+    for driven in (t < 600, t >= 1200):
+        assert error[driven].std() == pytest.approx(0.03, rel=0.05)
+    at_rest = error[(t > 604) & (t < 1200)]
+    assert covariance(at_rest, 20) / covariance(at_rest, 0) == pytest.approx(0.47, abs=0.15)
+
+
+def test_the_noise_of_motion_fades_after_a_stop_and_is_whole_at_once_when_it_drives():
+    truth = stop_and_go(stop_s=5.0, start_s=15.0, end_s=20.0)
+    t = truth.epoch_ns * 1e-9
+    made = [collect(gnss, Gnss(), [truth], seed=s)["v_north_mps"] for s in range(150)]
+    sd = np.std(made, axis=0)
+    assert sd[(t >= 6.0) & (t < 6.5)].mean() == pytest.approx(0.03 * np.exp(-2.25), rel=0.3)
+    assert sd[t > 9][:100].mean() == pytest.approx(3.1e-3, rel=0.1)
+    assert sd[t >= 15][0] == pytest.approx(0.03, rel=0.2)
+
+
+def test_while_it_drives_no_bit_depends_on_the_noise_of_rest():
+    truth = stop_and_go(stop_s=5.0, start_s=8.0, end_s=12.0)
+    t = truth.epoch_ns * 1e-9
+    a, b = (collect(gnss, Gnss(rest_velocity_sd_mps=sd), [truth]) for sd in (0.0, 0.02))
+    driven = (t < 5) | (t >= 8)
+    for column in ("v_east_mps", "v_north_mps", "v_up_mps"):
+        assert np.array_equal(a[column][driven], b[column][driven])
+    assert np.abs((a["v_east_mps"] - b["v_east_mps"])[(t > 6) & (t < 8)]).min() > 0.0
+
+
+def test_the_noise_of_rest_is_never_above_that_of_motion():
+    truth = drive(60, speed_mps=0, step_ns=50_000_000)
+    table = collect(gnss, Gnss(velocity_sd_mps=1e-4), [truth])
+    assert table["v_east_mps"].std() < 2e-4
+
+
+def test_without_corrections_the_position_wanders_by_decimetres_and_smoothly():
+    truth = drive(6000, speed_mps=0, step_ns=SECOND_NS)
+    config = Gnss(rate_hz=1.0, outages=(Outage(start_s=0, duration_s=1e6),))
+    error = np.concatenate(
+        [errors(truth, collect(gnss, config, [truth], seed=s))[60:, :2].T for s in range(4)]
+    )
+    change = {n: np.sqrt(np.mean((error[:, n:] - error[:, :-n]) ** 2)) for n in (1, 10, 60)}
+    assert change[60] == pytest.approx(0.6, rel=0.3)
+    assert change[10] == pytest.approx(0.155, rel=0.4)
+    assert change[1] < 0.03
 
 
 def test_masking_the_auxiliary_antenna_takes_only_the_heading():

@@ -1,6 +1,6 @@
 import numpy as np
 
-from twin.sensors.noise import advance, gauss_markov, generator
+from twin.sensors.noise import advance, advance_smooth, gauss_markov, generator, smooth
 
 
 def correlation(x, lag):
@@ -49,3 +49,25 @@ def test_terms_and_seeds_are_independent():
 def test_the_same_seed_gives_the_same_bits():
     a, b = (generator(7, "imu", "white").standard_normal(9) for _ in range(2))
     assert a.tobytes() == b.tobytes()
+
+
+def test_a_smooth_process_has_its_sd_and_correlation_from_its_start():
+    process = smooth(generator(1, "t", "x"), [0.5, 2.0], 3.0)
+    _, x = advance_smooth(process, np.full(300_000, 0.1))
+    np.testing.assert_allclose(x.std(axis=0), [0.5, 2.0], rtol=0.05)
+    for lag_s in (0.5, 1.5, 6.0):
+        due = (1 + lag_s / 3.0) * np.exp(-lag_s / 3.0)
+        for j in range(2):
+            assert abs(correlation(x[:, j], round(lag_s / 0.1)) - due) < 0.04
+    first = [
+        advance_smooth(smooth(generator(s, "t", "x"), 2.0, 1.0), np.full(1, 0.01))[1][0, 0]
+        for s in range(2000)
+    ]
+    assert abs(np.std(first) / 2.0 - 1) < 0.1
+
+
+def test_a_smooth_process_goes_on_where_it_stood():
+    whole = advance_smooth(smooth(generator(1, "t", "x"), 1.0, 3.0), np.full(9, 0.1))[1]
+    process, head = advance_smooth(smooth(generator(1, "t", "x"), 1.0, 3.0), np.full(4, 0.1))
+    tail = advance_smooth(process, np.full(5, 0.1))[1]
+    np.testing.assert_array_equal(np.concatenate([head, tail]), whole)

@@ -32,6 +32,17 @@ def test_one_turn_is_all_its_counts():
     assert IDEAL.counts_per_turn == 4000
 
 
+def test_ticks_count_down_in_reverse_by_what_they_counted_up():
+    there = np.linspace(0.0, 20.0, 2001)
+    angle = np.tile(np.concatenate([there, there[-2::-1]])[:, None], (1, 4))
+    count = ticks(collect(wheels, IDEAL, [turning(angle)]))
+    half = len(count) // 2
+    assert np.all(np.diff(count[:half], axis=0) >= 0)
+    assert np.all(np.diff(count[half:], axis=0) <= 0)
+    np.testing.assert_array_equal(count[-1], count[0])
+    assert abs(count[half, 0] - count[0, 0] - 20.0 * 4000 / (2 * np.pi)) <= 1
+
+
 def test_ticks_are_the_floor_of_the_angle():
     rng = np.random.default_rng(2)
     angle = np.cumsum(rng.normal(0.002, 0.01, (5001, 4)), axis=0)

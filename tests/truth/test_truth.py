@@ -52,10 +52,33 @@ def test_slip_is_bounded_odd_and_antisymmetric(rim, v):
 @pytest.mark.parametrize(
     ("rim", "v", "slip"),
     [(2.0, 1.5, 0.25), (1.5, 2.0, -0.25), (1.0, 0.0, 1.0), (0.0, 1.0, -1.0), (-2.0, -1.5, -0.25),
+     (-1.5, -2.0, 0.25), (0.0, -1.0, 1.0), (1.0, -1.0, 2.0), (1.0, -0.5, 1.5), (-0.5, 1.0, -1.5),
      (0.02, 0.01, 0.2), (0.0, 0.0, 0.0)],
 )  # fmt: skip
 def test_slip_by_hand(rim, v, slip):
     assert slip_ratio(np.array(rim), np.array(v)) == pytest.approx(slip)
+
+
+@pytest.mark.parametrize(
+    ("rim", "v"), [(1.6, 1.4), (-1.6, -1.4), (-1.4, -1.6), (0.5, -0.5), (0.0, -1.0)]
+)
+def test_the_truth_of_reverse_braking_and_sliding_back_has_the_sign_of_the_definition(rim, v):
+    radius = np.array([0.6, 0.6, 0.8, 0.8])
+    table = truth.sample(
+        trajectory(
+            velocity_w=[v, 0.0, 0.0],
+            cg_velocity_w=[v, 0.0, 0.0],
+            rolling_radius_m=radius,
+            spin_radps=rim / radius,
+            wheel_speed_x_mps=v,
+            slip=slip_ratio(rim, v),
+        ),
+        ("rl", "rr"),
+    )
+    due = (rim - v) / max(abs(rim), abs(v))
+    assert table["slip"] == pytest.approx(due)
+    assert table["speed_mps"] == pytest.approx(v)
+    assert table["wheel_speed_mps"] == pytest.approx(rim)
 
 
 @pytest.mark.parametrize("slope_deg", [0.0, 18.0, -18.0])

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import shlex
+import sys
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
-
-import tyro
 
 from twin.commands.output import Output, check_files, deliver
 from twin.commands.parse import parse
@@ -24,11 +23,13 @@ class CompareControllers(Output):
     """Compare slip controllers: each drives over the same held-out grounds."""
 
     env: str = "Plough-v0"
-    """Environment: Plough-v0 or WheelSlip-v0."""
+    """Environment: Plough-v1, WheelSlip-v1, Plough-v0 or WheelSlip-v0."""
     episodes: int = 50
     """How many held-out grounds each controller drives over."""
-    policy: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()
-    """File of a policy saved by stable-baselines3; may be given several times."""
+    controllers: str = ""
+    """Controllers, separated by commas: baselines by name, module:Name of your own, and policies
+    saved by stable-baselines3, FILE.zip. Without it, all baselines. Loading a policy can run any
+    code in its file."""
     duration_s: float = 20.0
     """Length of an episode [s]; what is scored begins 5 s after its start."""
     observation: str = "estimate"
@@ -45,16 +46,18 @@ def main(args: Sequence[str]) -> int:
     if options.observation not in OBSERVATIONS:
         raise UnknownName("observation", options.observation, OBSERVATIONS)
     check_files(json=options.json, report=options.report)
-    from twin.control import compare, policy, trials
-    from twin.control.controllers import Controller
+    from twin.control import chosen, compare, front, trials
 
     if options.env not in trials.ENVIRONMENTS:
         raise UnknownName("environment", options.env, trials.ENVIRONMENTS)
-    controllers: dict[str, Controller] = dict(trials.ENVIRONMENTS[options.env][1])
-    for file in options.policy:
-        controllers[file.stem] = policy.load(file, options.env)
+    setup = trials.setup(options.env, options.observation)
+    wanted = options.controllers or ",".join(trials.ENVIRONMENTS[options.env][1])
+    controllers = chosen.named(wanted, setup)
+    controllers = compare.with_oracle(
+        controllers, options.env, options.episodes, options.duration_s
+    )
     with progress("comparing", shown=options.talks) as told:
-        measured = compare.compare(
+        done = compare.compare(
             controllers,
             options.episodes,
             options.duration_s,
@@ -62,13 +65,23 @@ def main(args: Sequence[str]) -> int:
             told,
             options.env,
         )
-    found = compare.rows(measured)
-    if options.talks:
-        print_comparison(found, list(controllers), options.episodes)
+    found = compare.rows(done.measured, against=_against(done.measured))
+    shares = [*compare.regrets(done), *front.front_rows(options.env, done.measured)]
+    if options.talks and done.measured:
+        print_comparison(found, list(done.measured), options.episodes)
+        print_shares(shares)
+    found = [*found, *shares]
+    for why in done.failed.values():
+        print(f"twin: {why}", file=sys.stderr)
     deliver(found, options.json)
     if options.report is not None:
         _report(found, options)
-    return 0
+    return 1 if done.failed else 0
+
+
+def _against(names: Collection[str]) -> list[str]:
+    """Whom the others are compared with, ground by ground: the PI, or else the first."""
+    return ["pi"] if "pi" in names else list(names)[:1]
 
 
 def _report(found: Sequence[Mapping[str, Plain]], options: CompareControllers) -> None:
@@ -78,10 +91,10 @@ def _report(found: Sequence[Mapping[str, Plain]], options: CompareControllers) -
         f"{options.env}, {options.episodes} held-out grounds of {options.duration_s:g} s, the same "
         f"for all; controllers observe the {options.observation}. Means and their 95 % intervals."
     )
-    policies = "".join(f" --policy {file}" for file in options.policy)
+    chosen = f" --controllers {shlex.quote(options.controllers)}" if options.controllers else ""
     command = (
         f"twin compare-controllers --env {options.env} --episodes {options.episodes} --duration-s "
-        f"{options.duration_s:g} --observation {options.observation}{policies}"
+        f"{options.duration_s:g} --observation {options.observation}{chosen}"
     )
     assert options.report is not None
     rows.write_intervals(options.report, "Slip controllers", about, found, command)
@@ -113,6 +126,19 @@ def print_comparison(
         style="italic",
     )
     print_table(columns)
+
+
+def print_shares(found: Sequence[Mapping[str, Plain]]) -> None:
+    """The oracle's headroom over the PI, each controller's share of it by tier, and the front."""
+    from twin.control import front
+
+    on = [row["case"] for row in found if row["quantity"] == front.ON_FRONT and row["ours"]]
+    for row in found:
+        if "high" in row:
+            half = 0.5 * (row["high"] - row["low"])
+            say(f"{row['case']}: {row['quantity']} = {row['ours']:.3f} ± {half:.3f}")
+    if on:
+        say(f"{front.ON_FRONT}: {', '.join(on)}")
 
 
 def _cell(row: Mapping[str, Plain] | None) -> str:

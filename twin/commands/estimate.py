@@ -46,6 +46,8 @@ class Estimate:
     hide: str = ""
     """Hide GNSS for so many seconds, such as 1,10,30,60, at regular places while driving, and score
     what each estimator foretells of the receiver's speed."""
+    tuning: Path | None = None
+    """File of `twin tune`: other noises of some of the estimators."""
     view: bool = False
     """Open the recording in the rerun viewer at the end."""
     quiet: bool = False
@@ -80,7 +82,7 @@ def main(args: Sequence[str]) -> int:
         result = estimate(
             options.log, options.map, estimators=estimators, reader=reader, told=told,
             strict=options.strict, offset_s=offsets(options.offset),
-            hide_s=seconds("hide", options.hide),
+            hide_s=seconds("hide", options.hide), tuning=options.tuning,
         )  # fmt: skip
     result.save(directory, command=f"twin estimate {shlex.join(args)}")
     if options.figures is not None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from twin.commands.output import check_folder
 from twin.commands.terminal import progress, say
-from twin.errors import BadInput
+from twin.errors import BadInput, TwinError
 from twin.io.atomic import moved_when_complete
 from twin.pipeline import named as registry
 from twin.pipeline import public
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from twin.pipeline.estimating import Estimator
     from twin.pipeline.result import Result
     from twin.plugins.lookup import Thing
+    from twin.simulation.levers import Controlled
 
 DEFAULT_ESTIMATORS = ",".join(public.DEFAULT_ESTIMATORS)
 
@@ -36,14 +37,20 @@ class Options:
     between where they are given."""
     estimators: str = DEFAULT_ESTIMATORS
     """Estimators, separated by commas: names, or module:Name of your own."""
+    controller: str = ""
+    """Controller that sets throttle and hitch in work, in the driver's place: a name that `twin
+    compare-controllers` knows, module:Name of your own, or FILE.zip, a policy saved by
+    stable-baselines3."""
     figures: Path | None = None
     """Folder for the report's figures as SVG and PDF, one column (85 mm) wide."""
     frames: Path | None = None
     """Folder for the frames of the camera as PNG."""
+    events: Path | None = None
+    """TOML file of events: throttle, shifts, stops and more, by time, place or condition."""
     mask: tuple[float, float] | None = None
     """Mask both GNSS antennas: start of the mask and its duration [s]."""
     posterior: int = 0
-    """Drive so many machines drawn from the posterior beside a calibrated machine's file, too, and
+    """Drive so many machines, drawn from the posterior beside a calibrated machine's file, too, and
     show the band of every figure."""
     view: bool = False
     """Open the recording in the rerun viewer at the end."""
@@ -83,22 +90,20 @@ def execute(
 
     directory = options.out or run_folder.default_directory(_called(scenario, named), scenario.seed)
     run_folder.refuse_foreign(directory)  # before the work, not after it
-    scenario = _masked(scenario, options.mask)
+    scenario = _masked(_with_events(scenario, options.events), options.mask)
     refuse_unread(scenario, named)
-    if options.posterior:
-        from twin.calibration.drawn import posterior_of
-
-        if options.posterior < 2:
-            raise BadInput(f"--posterior {options.posterior}: 2 or more would do")
-        posterior_of(scenario.machine)
+    _check_posterior(scenario, options.posterior)
     _check_frames(scenario, options.frames)
     check_folder("figures", options.figures)
     estimators = load_estimators(options.estimators)
+    controlled = _controlled(options.controller)
     from twin.pipeline.run import run  # heavy, so only once the input is known to be good
 
     shown = not (options.quiet or options.json)
     with progress(scenario.name, shown=shown) as told, _pngs(options.frames) as frames:
-        result = run(scenario, estimators=estimators, progress=told, frames=frames)
+        result = run(
+            scenario, estimators=estimators, progress=told, frames=frames, controlled=controlled
+        )
         result.save(directory, command=command)
         if options.figures is not None:
             result.figures(options.figures)
@@ -108,14 +113,26 @@ def execute(
     return result, directory
 
 
+def _check_posterior(scenario: Thing, count: int) -> None:
+    """Refuse a count that makes no band, and a machine without a posterior."""
+    if not count:
+        return
+    if count < 2:
+        raise BadInput(f"--posterior {count}: 2 or more would do")
+    if not hasattr(scenario, "machine"):
+        raise BadInput(f"--posterior {count}: scenario '{scenario.name}' has no machine")
+    from twin.calibration.drawn import posterior_of
+
+    posterior_of(scenario.machine)
+
+
 def _drawn(scenario: Thing, options: Options, directory: Path) -> None:
     """Drive machines of the posterior; write and print the bands of the drive's figures."""
     from twin.calibration.drawn import bands, drawn
     from twin.io.atomic import write_text
     from twin.pipeline.run import run
 
-    truths = []
-    shown = not (options.quiet or options.json)
+    truths, shown = [], not (options.quiet or options.json)
     with progress("posterior", shown=shown) as told:
         for i, each in enumerate(drawn(scenario, options.posterior, scenario.seed)):
             truths.append(run(each, estimators=load_estimators("ratio")).scores["truth"])
@@ -125,6 +142,14 @@ def _drawn(scenario: Thing, options: Options, directory: Path) -> None:
     if shown:
         for name, (median, low, high) in found.items():
             say(f"{name}: {median:.4g}, {low:.4g} to {high:.4g} (95 % of the machines)")
+
+
+def _controlled(controller: str) -> Controlled | None:
+    if not controller:
+        return None
+    from twin.control.on_machine import controlled_by
+
+    return controlled_by(controller)
 
 
 def _called(scenario: Thing, named: Collection[str]) -> str:
@@ -139,6 +164,20 @@ def status(result: Result) -> int:
     for why in result.failed.values():
         print(f"twin: {why}; its estimates are NaN", file=sys.stderr)
     return 1 if result.failed else 0
+
+
+def _with_events(scenario: Thing, path: Path | None) -> Any:
+    """The scenario with the events of a file in place of its own."""
+    if path is None:
+        return scenario
+    if not hasattr(scenario, "events"):
+        raise BadInput(f"--events {path}: scenario '{scenario.name}' has no machine that is driven")
+    from twin.scenario.event_file import read_events
+
+    try:
+        return dataclasses.replace(scenario, events=read_events(path))
+    except TwinError as error:
+        raise BadInput(str(error) if str(path) in str(error) else f"{path}: {error}") from None
 
 
 def _masked(scenario: Thing, mask: tuple[float, float] | None) -> Any:

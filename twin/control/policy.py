@@ -10,16 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.control.controllers import PI, Controller, Seen
+from twin.control.controllers import PI, Controller, Seen, draft_n
+from twin.control.fieldwork import FIELD_BASELINES
 from twin.control.torques import TORQUE_BASELINES
-from twin.errors import BadInput
+from twin.control.traction import TRACTION_BASELINES
+from twin.env.reward import SLIP_LIMIT
 
 Array = NDArray[np.float64]
 
@@ -27,11 +27,6 @@ DECISION_S = 0.2
 """Time between two decisions of a policy [s]; what it adds holds in between."""
 SMOOTHING_S = 1.0
 """Time constant of the slow slips a policy sees beside the slips [s]."""
-
-
-def draft_n(seen: Seen) -> Array:
-    """The draft by the pin in the hitch, or the true one where that is what is seen [N]."""
-    return seen["draft_pin_n"] if "draft_pin_n" in seen else seen["draft_n"]
 
 
 def plough_features(seen: Seen, slow: Seen) -> list[Array]:
@@ -67,12 +62,45 @@ def torque_features(seen: Seen, slow: Seen) -> list[Array]:
     ]
 
 
+def field_features(seen: Seen, slow: Seen) -> list[Array]:
+    """Slip, speeds, depth, draft, engine and levers of Plough-v1."""
+    depth_m = np.maximum(seen["depth_m"], 0.0)
+    return [
+        (seen["slip"] - SLIP_LIMIT) / 0.1,
+        (slow["slip"] - SLIP_LIMIT) / 0.1,
+        seen["speed_mps"] / 2.0 - 0.8,
+        seen["wheel_speed_mps"] / 2.0 - 0.8,
+        (depth_m - seen["depth_target_m"]) / 0.05,
+        draft_n(seen) / 2e4,
+        seen["engine_radps"] / 50.0 - 3.2,
+        seen["throttle"],
+        seen["gear_kmh"] / 5.0 - 1.6,
+        seen["lift_set_rad"] * 5.0,
+        seen["mix"],
+    ]
+
+
+def traction_features(seen: Seen, slow: Seen) -> list[Array]:
+    """Slips, speeds, torques and the line of WheelSlip-v1."""
+    wheels = ("slip_rl", "slip_rr")
+    return [
+        *((seen[wheel] - 0.1) / 0.1 for wheel in wheels),
+        *((slow[wheel] - 0.1) / 0.1 for wheel in wheels),
+        seen["speed_mps"] - 1.3,
+        seen["wheel_speed_mps"] - 1.5,
+        seen["torque_left"],
+        seen["torque_right"],
+        seen["line_left_m"] / 0.2,
+        seen["line_heading_rad"] / 0.1,
+    ]
+
+
 @dataclass(frozen=True)
 class Task:
     """What a policy is for, and what it adds to."""
 
     base: Controller
-    reach: tuple[float, float]
+    reach: tuple[float, ...]
     """Most that is added to each action."""
     features: Callable[[Seen, Seen], list[Array]]
     """What a policy sees; all of it stands in the observations "estimate" and "truth" alike."""
@@ -94,6 +122,10 @@ TASKS = {
         torque_features,
         9,
         ("slip_rl", "slip_rr"),
+    ),
+    "Plough-v1": Task(FIELD_BASELINES["pi"], (0.6, 0.4, 0.2, 0.4), field_features, 11, ("slip",)),
+    "WheelSlip-v1": Task(
+        TRACTION_BASELINES["pi"], (0.3, 0.3), traction_features, 10, ("slip_rl", "slip_rr")
     ),
 }
 
@@ -134,7 +166,7 @@ def added(task: Task, actions: Array, raw: Array) -> Array:
 class Policy:
     """A model of stable-baselines3 that adds to a base every `DECISION_S`."""
 
-    model: mujoco.MjModel
+    model: Any
     task: Task
 
     def init(self, count: int) -> Memory:
@@ -150,35 +182,3 @@ class Policy:
             decided, _ = self.model.predict(features(self.task, seen, slow), deterministic=True)
             raw, wait_s = np.asarray(decided, dtype=np.float64), DECISION_S
         return Memory(base, slow, wait_s, raw), added(self.task, actions, raw)
-
-
-def load(file: Path, environment: str = "Plough-v0") -> Policy:
-    """A policy for an environment, saved by stable-baselines3, that sees its task's features.
-
-    Raises:
-        BadInput: stable-baselines3 is not installed, or the file is no such policy.
-    """
-    try:
-        import stable_baselines3
-    except ImportError:
-        raise BadInput(
-            f"--policy {file} needs stable-baselines3: pip install 'tractor-twin[rl]'"
-        ) from None
-    if not file.is_file():
-        raise BadInput(f"--policy {file}: there is no such file")
-    task = TASKS[environment]
-    algorithms: Mapping[str, Any] = {
-        n: getattr(stable_baselines3, n) for n in ("PPO", "SAC", "TD3", "A2C")
-    }
-    for algorithm in algorithms.values():
-        try:
-            model = algorithm.load(file, device="cpu")
-        except Exception:  # a file of another algorithm fails in a way of its own
-            continue
-        if model.observation_space.shape == (task.size,):
-            return Policy(model, task)
-        raise BadInput(
-            f"--policy {file}: sees {model.observation_space.shape}, not the {task.size} features "
-            f"of {environment} in twin.control.policy"
-        )
-    raise BadInput(f"--policy {file}: no policy of {', '.join(algorithms)}")

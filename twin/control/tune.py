@@ -21,7 +21,12 @@ from twin.env.many import ManyEnv
 
 Array = NDArray[np.float64]
 
-BUDGETS = {"Plough-v0": (4, 32, 16, 20.0, "truth"), "WheelSlip-v0": (3, 12, 3, 8.0, "estimate")}
+BUDGETS = {
+    "Plough-v0": (3, 12, 6, 12.0, "truth"),
+    "WheelSlip-v0": (3, 12, 3, 8.0, "estimate"),
+    "Plough-v1": (4, 32, 16, 20.0, "truth"),
+    "WheelSlip-v1": (4, 32, 16, 20.0, "truth"),
+}
 """Rounds, candidates of each, training grounds, length of an episode [s], what is seen."""
 RANGES: dict[str, tuple[float, float]] = {
     "throttle": (-0.4, 1.0),
@@ -32,9 +37,21 @@ RANGES: dict[str, tuple[float, float]] = {
     "reach_m": (0.02, 0.15),
     "surface_radps": (0.0, 1.0),
     "layer": (0.02, 0.4),
+    "mix": (0.0, 1.0),
+    "held_n": (1.5e4, 5e4),
+    "sensitivity_m": (0.02, 0.3),
+    "dither_m": (0.002, 0.02),
+    "dither_radps": (0.8, 6.0),
+    "seek_mps": (0.0, 2.0),
+    "slip_weight": (0.1, 4.0),
+    "move_weight": (0.05, 4.0),
+    "learn_s": (0.1, 3.0),
     "feed": (0.3, 0.9),
     "kp": (0.0, 2.0),
     "ki_ps": (0.0, 20.0),
+    "gear": (-0.3, 1.0),
+    "slip_set": (0.04, 0.25),
+    "line_pm": (-0.2, 3.0),
     "reach": (0.1, 0.6),
 }
 """Ranges of the gains that are searched."""

@@ -66,10 +66,9 @@ def control(
         dt_s: the interval.
     """
     observe(qpos, userdata, world_from_ground, links, seen)
-    ratio = drivetrain[0].gear_ratio
     for i in range(len(tasks)):
         tasks[i].work_rad = work_rad[i]
-        engine_radps[i] = ratio * qvel[i, engine]
+        engine_radps[i] = drivetrain[i].gear_ratio * qvel[i, engine]
     decide(tasks, drivetrain, seen, engine_radps, drivers, pedals, controls, dt_s)
     for i in range(len(tasks)):
         for k in range(len(chosen)):

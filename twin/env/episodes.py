@@ -27,7 +27,7 @@ STALL_S = 1.0
 REWARD = "reward"
 
 
-def asked(observation: str, estimator: str, slip_target: float) -> Estimator | None:
+def asked(observation: str, estimator: str, slip_target: float = 0.1) -> Estimator | None:
     """The estimator that an environment's arguments name, if they need one.
 
     Raises:
@@ -45,9 +45,8 @@ class Episodes:
     What is asked of them stands in a subclass: machine, observations, reward, what is known.
     """
 
-    actions_named: tuple[str, str]
+    actions_named: tuple[str, ...]
     recipe: Recipe
-    slip_target: float
     terms: tuple[str, ...]
     """The terms of the reward."""
     derived: tuple[str, ...] = ()

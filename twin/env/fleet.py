@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -38,9 +38,9 @@ STALL_MPS = 0.05
 """Slower than this is standing."""
 LEAST_W = 1e3
 """Power at the axle below which the traction efficiency counts as 0 [W]."""
-OWN = {name: block.SOIL + Soil[name.upper()] for name in SPREAD}
-"""Where the block has a ground's own numbers of its soil."""
-SHEARED = [block.SOIL + Soil.COHESION_PA, block.SOIL + Soil.TAN_PHI]
+OWN = {name: int(Soil[name.upper()]) for name in SPREAD}
+"""Where a soil's part of the block has a ground's own numbers of it."""
+SHEARED = [int(Soil.COHESION_PA), int(Soil.TAN_PHI)]
 """Where it has what friction scales in Bekker's law."""
 RECORDED = ("sensordata", "userdata")
 """What the sensors of an episode need of every step."""
@@ -77,7 +77,7 @@ class Start:
     """What the driver remembers, a row of DriverState."""
     pedal: np.void
     """The brake pedal, a row of BrakePedal."""
-    action: tuple[float, float]
+    action: tuple[float, ...]
     """The action that keeps it rolling so."""
 
 
@@ -176,11 +176,7 @@ class Fleet(Simulation):
             self.state[i] = start.state
             self.lay(i, start.frame, ground.shape.furrow_depth_m)
             numbers = self.blocks[i]
-            slots, values = _soil(ground.preset)
-            numbers[slots] = values
-            for name, value in ground.own.items():
-                numbers[OWN[name]] = value
-            numbers[SHEARED] *= ground.own["friction"] / PRESETS[ground.preset].friction
+            lay_soil(numbers[block.SOIL :], ground.preset, ground.own, ground.law)
             for at in self.front_grip:
                 numbers[at] = self.front_ratio * PRESETS[ground.preset].front_grip
             for name, value in _place(ground, start.along_m).items():
@@ -271,11 +267,29 @@ class Fleet(Simulation):
         return np.tile([[start_throttle(self.machine), -1.0]], (len(self.state), 1))
 
 
+def lay_soil(numbers: Array, preset: str, own: Mapping[str, float], law: str) -> None:
+    """A preset with a ground's own numbers, under a soil law.
+
+    Args:
+        numbers: written, a soil's part of the block.
+        preset: the soil's.
+        own: its own numbers, those of `SPREAD`.
+        law: by which it carries and pulls.
+    """
+    slots, values = _soil(preset, law)
+    numbers[slots] = values
+    for name, value in own.items():
+        numbers[OWN[name]] = value
+    numbers[SHEARED] *= own["friction"] / PRESETS[preset].friction
+    if law == "bekker":
+        numbers[Soil.FRICTION] = numbers[Soil.TAN_PHI]
+
+
 @cache
-def _soil(preset: str) -> tuple[Array, Array]:
-    """Which of the block's numbers a preset sets, and to what; a reset then builds no soil."""
-    part = soil_part(Setting(preset=preset, cone_index_kpa=1000.0))  # the ground's own comes after
-    return block.SOIL + np.array(list(part)), np.array(list(part.values()))
+def _soil(preset: str, law: str) -> tuple[Array, Array]:
+    """Which of a soil's numbers a preset sets, and to what; a reset then builds no soil."""
+    part = soil_part(Setting(preset=preset, cone_index_kpa=1000.0, law=law))  # its own comes after
+    return np.array(list(part)), np.array(list(part.values()))
 
 
 def _place(ground: Ground, start_m: float) -> Part:

@@ -30,6 +30,8 @@ PATCHES = (2, (3.0, 40.0), (2.0, 10.0), (0.7, 1.0), (0.6, 1.0))
 """Most patches drawn; ranges of start ahead and length [m], of friction and cone index factors."""
 FARTHEST_M = 1000.0
 """How far from the field's origin an episode may stand [m]."""
+OTHER = "field.other_soil."
+"""What the options of the other soil begin with."""
 SHAPE_COUNT = 16
 """How many slopes with furrows an episode draws from."""
 SHAPE_FIELDS = (*STEEPEST_DEG, "furrow_depth_m")
@@ -52,6 +54,11 @@ class Recipe:
     """What an environment's grounds are drawn from."""
 
     presets: tuple[str, ...] = KINDS
+    spread: Mapping[str, tuple[float, float]] = field(default_factory=lambda: SPREAD)
+    law: str = "brixius"
+    """By which the soil carries and pulls."""
+    heavier: tuple[float, float] | None = None
+    """Range of the factor on the preset's draft in areas of heavier soil; None without areas."""
     steepest_deg: Mapping[str, float] = field(default_factory=lambda: STEEPEST_DEG)
     patches: tuple[int, *tuple[tuple[float, float], ...]] = PATCHES
     options: tuple[str, ...] = OPTIONS
@@ -65,6 +72,22 @@ ROLLED = Recipe(
     options=tuple(name for name in OPTIONS if name != "field.furrow_depth_m"),
 )
 """Of a tractor without a plough: no furrow, steeper, and patches more often and more slippery."""
+SLANTED = Recipe(
+    presets=("dry", "wet", "firm", "grass"),
+    spread=SPREAD | {"draft_scale": (0.60, 1.40)},
+    steepest_deg={"cross_slope_deg": 15.0, "grade_deg": 2.0},
+    patches=(4, (1.0, 30.0), (2.0, 6.0), (0.6, 1.0), (0.6, 1.0)),
+    options=ROLLED.options,
+)
+"""Steeper still across, and a draft that differs more from field to field."""
+WORKED = Recipe(
+    presets=("firm", "tilled", "soft"),
+    spread=SPREAD | {"draft_scale": (0.60, 0.85)},
+    heavier=(1.15, 1.40),
+    options=(*OPTIONS, "soil.law", *(f"{OTHER}{name}" for name in ("preset", *SPREAD))),
+)
+"""Of fields with areas of another soil; both laws know the presets. D497 gives 40 % either way for
+the draft of mould-board ploughs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,11 +121,17 @@ class Ground:
     """Seed of the field: what varies with place."""
     noise_seed: int
     """Seed of the sensors' errors."""
+    law: str = "brixius"
+    """By which the soil carries and pulls."""
+    other_preset: str | None = None
+    """Soil of the other areas of the field; None where there are none."""
+    other_own: Options = field(default_factory=dict)
+    """That soil's own numbers."""
 
     @property
     def soil(self) -> Soil:
         """The soil as a scenario has it."""
-        return Soil(preset=self.preset, **self.own)
+        return Soil(preset=self.preset, law=self.law, **self.own)
 
     def info(self, recipe: Recipe = PLOUGHED) -> Options:
         """The ground by the names of the recipe's options."""
@@ -115,6 +144,9 @@ class Ground:
                 for p in self.patches
             ),
             "field.origin_m": self.origin_m,
+            "soil.law": self.law,
+            "field.other_soil.preset": self.other_preset,
+            **{f"field.other_soil.{name}": value for name, value in self.other_own.items()},
         }
         return {name: known[name] for name in recipe.options}
 
@@ -149,9 +181,10 @@ def check_options(options: Options | None, recipe: Recipe = PLOUGHED) -> Options
     for name, value in chosen.items():
         if name not in recipe.options:
             raise UnknownName("option", name, recipe.options)
-        if name == "soil.preset":
+        if name.endswith((".preset", ".law")):
             if not isinstance(value, str):
-                raise BadInput(f"option {name} = {value!r} is not the name of a soil preset")
+                kind = name.rpartition(".")[2]
+                raise BadInput(f"option {name} = {value!r} is not the name of a soil {kind}")
         elif name == "field.patches":
             chosen[name] = _patches(value)
         elif name == "field.origin_m":
@@ -160,7 +193,9 @@ def check_options(options: Options | None, recipe: Recipe = PLOUGHED) -> Options
             chosen[name] = _number(name, value)
     if not chosen:
         return chosen
+    law = {"law": chosen["soil.law"]} if "soil.law" in chosen else {}
     Soil(**_part(chosen, "soil."))
+    Soil(**_part(chosen, OTHER), **law)
     Field(**{n: v for n, v in _part(chosen, "field.").items() if n in STEEPEST_DEG})
     check_range("field.furrow_depth_m", chosen.get("field.furrow_depth_m", 0.05), 0.05, 0.35)
     for metres in chosen.get("field.origin_m", ()):
@@ -180,11 +215,7 @@ def draw(
     """
     kind = recipe.presets[int(generator.integers(len(recipe.presets)))]
     preset = str(options.get("soil.preset", kind))
-    own_soil: dict[str, float] = {}
-    shares = generator.random(len(SPREAD)).tolist()
-    for (name, within), share in zip(SPREAD.items(), shares, strict=True):
-        drawn = getattr(PRESETS[preset], name) * _between(within, share)
-        own_soil[name] = options.get(f"soil.{name}", drawn)
+    own_soil = _drawn_soil(generator, preset, _part(options, "soil."), recipe.spread)
     pattern_seed, noise_seed = generator.integers(2**31, size=2).tolist()
     shape = choices[int(generator.integers(len(choices)))]
     own = {name: value for name, value in _part(options, "field.").items() if name in SHAPE_FIELDS}
@@ -194,7 +225,15 @@ def draw(
         _between((-FARTHEST_M, FARTHEST_M), along),
         _between((-FARTHEST_M, FARTHEST_M), left),
     )
+    other_preset, other_own = None, Options()
+    if recipe.heavier is not None:
+        other_preset, spread = str(options.get(f"{OTHER}preset", preset)), dict(recipe.spread)
+        spread["draft_scale"] = recipe.heavier
+        other_own = _drawn_soil(generator, other_preset, _part(options, OTHER), spread)
     return Ground(
+        law=str(options.get("soil.law", recipe.law)),
+        other_preset=other_preset,
+        other_own=other_own,
         preset=preset,
         own=own_soil,
         shape=replace(shape, **own) if own else shape,
@@ -203,6 +242,16 @@ def draw(
         pattern_seed=pattern_seed,
         noise_seed=noise_seed,
     )
+
+
+def _drawn_soil(
+    generator: Generator, preset: str, own: Options, spread: Mapping[str, tuple[float, float]]
+) -> dict[str, float]:
+    """A soil's own numbers, drawn around its preset's where they are not given."""
+    drawn, shares = {}, generator.random(len(SPREAD)).tolist()
+    for (name, within), share in zip(spread.items(), shares, strict=True):
+        drawn[name] = own.get(name, getattr(PRESETS[preset], name) * _between(within, share))
+    return drawn
 
 
 def _drawn_patches(generator: Generator, recipe: Recipe) -> tuple[Patch, ...]:

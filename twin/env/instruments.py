@@ -26,16 +26,20 @@ class Instruments:
 
     def begin(self, seed: int, approach: Trajectory) -> None:
         """Switch on, and look at the approach, so that every sensor has spoken."""
-        self.recorder = Recorder(self.machine)
+        self.switch_on(seed)
         self.recorder.normal = approach["ground_normal_w"][0]
         self.recorder.steps = len(approach)
+        self._see(approach)
+
+    def switch_on(self, seed: int) -> None:
+        """Begin with the machine's own ground, at its first instant; nothing is seen yet."""
+        self.recorder = Recorder(self.machine)
         self.state = sensors.init(self.config, seed)
         self.memory = self.estimator.init(self.setup) if self.estimator else None
         self.latest = {f"{s}.{c}": 0.0 for s, columns in COLUMNS.items() for c in columns}
         self.latest |= dict.fromkeys(ESTIMATED, 0.0)
         self.counted: dict[str, int] = {}
         self.gnss_ns = 0
-        self._see(approach)
 
     def advance(self, record: Record) -> None:
         """Take in what was recorded of one control step."""

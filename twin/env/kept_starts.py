@@ -106,7 +106,6 @@ def _unpacked(content: bytes, machine: Machine, shapes: Sequence[GroundShape]) -
     columns = {n.removeprefix(COLUMN): c for n, c in held.items() if n.startswith(COLUMN)}
     starts = []
     for i, shape in enumerate(shapes):
-        first, second = held["action"][i].tolist()
         approach = None
         if columns:
             own = {name: column[i] for name, column in columns.items()}
@@ -119,7 +118,7 @@ def _unpacked(content: bytes, machine: Machine, shapes: Sequence[GroundShape]) -
                 along_m=float(held["along_m"][i]),
                 driver=held["driver"][i],
                 pedal=held["pedal"][i],
-                action=(first, second),
+                action=tuple(held["action"][i].tolist()),
             )
         )
     return starts

@@ -66,6 +66,19 @@ TRUTH = (
     Entry("engine_torque_nm", -500.0, 1000.0),
     *(Entry(f"load_{wheel}_n", 0.0, 2e5) for wheel in WHEELS),
 )
+FIELD_TASK = (
+    Entry("throttle", -1.0, 1.0),
+    Entry("gear_kmh", 0.0, 30.0),
+    Entry("lift_set_rad", -0.45, 1.0),
+    Entry("mix", 0.0, 1.0),
+    Entry("depth_target_m", 0.0, 0.35),
+)
+FIELD_MODES = {
+    "estimate": (*ESTIMATE, *FIELD_TASK),
+    "sensors": (*SENSORS, *FIELD_TASK),
+    "truth": (*TRUTH, *FIELD_TASK),
+}
+"""The same with a gear, and a hitch between position and draft."""
 TORQUE_TASK = (
     Entry("torque_left", -1.0, 1.0),
     Entry("torque_right", -1.0, 1.0),
@@ -86,6 +99,17 @@ TORQUE_TRUTH = (
     Entry("axle_torque_nm", -2e5, 2e5),
     *TRUTH[-4:],
 )
+TRACTION_TASK = (
+    *TORQUE_TASK[:2],
+    Entry("line_left_m", -10.0, 10.0),
+    Entry("line_heading_rad", -3.2, 3.2),
+)
+TRACTION_MODES = {
+    "estimate": (*TORQUE_ESTIMATE, *TRACTION_TASK),
+    "sensors": (*TORQUE_SENSORS, *TRACTION_TASK),
+    "truth": (*TORQUE_TRUTH, *TRACTION_TASK),
+}
+"""The same with a line to hold."""
 MODES = {"estimate": (*ESTIMATE, *TASK), "sensors": (*SENSORS, *TASK), "truth": (*TRUTH, *TASK)}
 """Entries of an observation by the constructor's `observation`, ploughing."""
 TORQUE_MODES = {

@@ -42,7 +42,7 @@ class Ploughing(Episodes):
     ) -> None:
         wanted = asked(observation, estimator, slip_target)
         self.depth_m, self.slip_target = float(depth_m), float(slip_target)
-        built = build(_scenario(self.depth_m, machine, implement))
+        built = build(ploughed("Plough-v0", self.depth_m, machine, implement))
         numbers = built.numbers
         self.width_m = numbers["plough.bodies"] * numbers["plough.body_width_m"]
         self.engine = records(rated(numbers), 1)
@@ -63,11 +63,11 @@ class Ploughing(Episodes):
         )  # fmt: skip
 
 
-def _scenario(depth_m: float, machine: str, implement: str | None) -> Scenario:
+def ploughed(name: str, depth_m: float, machine: str, implement: str | None) -> Scenario:
     """What is ploughed. Raises OutOfRange by the argument's name for a depth that does not do."""
     try:
         return Scenario(
-            name="Plough-v0",
+            name=name,
             plough=Plough(depth_m=depth_m),
             course=Course(approach_m=1.0),  # the last furrow is there from the start
             machine=machine,

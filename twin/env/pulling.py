@@ -43,18 +43,10 @@ class Pulling(Episodes):
     ) -> None:
         wanted = asked(observation, estimator, slip_target)
         self.slip_target = float(slip_target)
-        scenario = Scenario(
-            name="WheelSlip-v0",
-            machine=machine,
-            soil=Soil(preset="dry"),
-            drive=Drive(differential_lock=False),
-            course=Course(approach_m=0.0),
-            sensors=Sensors(imu=Imu(vibration_rms_mps2=0.05), depth=None, machine=None),
-        )
         seen = observation != "truth"
         super().__init__(
             TorqueFleet(
-                motors(build(scenario)),
+                motors(build(pulled_along("WheelSlip-v0", machine))),
                 nsim,
                 nthread,
                 sensed=seen,
@@ -69,3 +61,15 @@ class Pulling(Episodes):
     def judge(self, ids: Ids) -> None:
         """As `twin.env.judging.pulling` does."""
         judging.pulling(ids, self.slip_target, self.actions, self.values)
+
+
+def pulled_along(name: str, machine: str) -> Scenario:
+    """An electric tractor on a straight course."""
+    return Scenario(
+        name=name,
+        machine=machine,
+        soil=Soil(preset="dry"),
+        drive=Drive(differential_lock=False),
+        course=Course(approach_m=0.0),
+        sensors=Sensors(imu=Imu(vibration_rms_mps2=0.05), depth=None, machine=None),
+    )

@@ -86,7 +86,6 @@ def settle(
             kept = [r for r in records if r is not None]
             own = {k: np.concatenate([r[k][i : i + 1] for r in kept], axis=1) for k in kept[0]}
             approach = recorder.sensed(own)
-        first, second = fleet.steady()[i].tolist()
         start = Start(
             state=fleet.state[i].copy(),
             frame=frame,
@@ -94,7 +93,7 @@ def settle(
             along_m=float(fleet.qpos[i, :3] @ frame.world_from_ground[:, 0]),
             driver=fleet.drivers[i].copy(),
             pedal=fleet.pedals[i].copy(),
-            action=(first, second),
+            action=tuple(fleet.steady()[i].tolist()),
         )
         starts.append(start)
     return starts

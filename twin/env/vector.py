@@ -10,11 +10,14 @@ import os
 from gymnasium.utils import EzPickle
 from gymnasium.vector import AutoresetMode
 
+from twin.env.fieldwork import FieldWork
 from twin.env.many import RENDER_MODES, ManyEnv
 from twin.env.ploughing import Ploughing
 from twin.env.pulling import USUAL_MACHINE, Pulling
 from twin.env.rendering import Look
+from twin.env.schedule import Grounds
 from twin.env.torque_fleet import USUAL_IMPLEMENT
+from twin.env.traction import Traction
 from twin.errors import OutOfRange, UnknownName
 from twin.scenario import Scenario
 
@@ -61,17 +64,59 @@ class PloughVectorEnv(ManyEnv):
         camera: str = "follow",
         machine: str = Scenario.machine,
         implement: str | None = None,
+        grounds: Grounds = None,
     ) -> None:
         EzPickle.__init__(
             self, num_envs, max_episode_steps, observation, estimator, depth_m, slip_target,
             render_mode, autoreset_mode, nthread, width, height, camera, machine, implement,
+            grounds,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
         episodes = Ploughing(
             observation, estimator, depth_m, slip_target, num_envs, threads, machine, implement
         )
-        self._hold(episodes, look, max_episode_steps, mode)
+        self._hold(episodes, look, max_episode_steps, mode, grounds)
+
+
+class PloughFieldVectorEnv(ManyEnv):
+    """Many tractors on fields of two soils; each sees what `PloughFieldEnv` with its seed would.
+
+    Arguments, actions, observations, reward and end are those of
+    `twin.env.plough_field.PloughFieldEnv`, and those arguments that `PloughVectorEnv` adds.
+    """
+
+    episodes: FieldWork
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        max_episode_steps: int | None = None,
+        observation: str = "estimate",
+        estimator: str = "slip-ekf",
+        depth_m: float = 0.25,
+        law: str = "brixius",
+        render_mode: str | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        nthread: int | None = None,
+        width: int = 640,
+        height: int = 480,
+        camera: str = "follow",
+        machine: str = Scenario.machine,
+        implement: str | None = None,
+        grounds: Grounds = None,
+    ) -> None:
+        EzPickle.__init__(
+            self, num_envs, max_episode_steps, observation, estimator, depth_m, law,
+            render_mode, autoreset_mode, nthread, width, height, camera, machine, implement,
+            grounds,
+        )  # fmt: skip
+        look = Look(render_mode, width, height, camera).check(RENDER_MODES)
+        threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
+        episodes = FieldWork(
+            observation, estimator, depth_m, law, num_envs, threads, machine, implement
+        )
+        self._hold(episodes, look, max_episode_steps, mode, grounds)
 
 
 class WheelSlipVectorEnv(ManyEnv):
@@ -98,17 +143,58 @@ class WheelSlipVectorEnv(ManyEnv):
         camera: str = "follow",
         machine: str = USUAL_MACHINE,
         implement: str = USUAL_IMPLEMENT,
+        grounds: Grounds = None,
     ) -> None:
         EzPickle.__init__(
             self, num_envs, max_episode_steps, observation, estimator, slip_target,
             render_mode, autoreset_mode, nthread, width, height, camera, machine, implement,
+            grounds,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
         episodes = Pulling(
             observation, estimator, slip_target, num_envs, threads, machine, implement
         )
-        self._hold(episodes, look, max_episode_steps, mode)
+        self._hold(episodes, look, max_episode_steps, mode, grounds)
+
+
+class SlipLineVectorEnv(ManyEnv):
+    """Many electric tractors along their lines; each sees what `SlipLineEnv` with its seed would.
+
+    Arguments, actions, observations, reward and end are those of
+    `twin.env.slip_line.SlipLineEnv`, and those arguments that `PloughVectorEnv` adds.
+    """
+
+    episodes: Traction
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        max_episode_steps: int | None = None,
+        observation: str = "estimate",
+        estimator: str = "four-state",
+        actuation: str = "torque",
+        render_mode: str | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        nthread: int | None = None,
+        width: int = 640,
+        height: int = 480,
+        camera: str = "follow",
+        machine: str = USUAL_MACHINE,
+        implement: str = USUAL_IMPLEMENT,
+        grounds: Grounds = None,
+    ) -> None:
+        EzPickle.__init__(
+            self, num_envs, max_episode_steps, observation, estimator, actuation,
+            render_mode, autoreset_mode, nthread, width, height, camera, machine, implement,
+            grounds,
+        )  # fmt: skip
+        look = Look(render_mode, width, height, camera).check(RENDER_MODES)
+        threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
+        episodes = Traction(
+            observation, estimator, actuation, num_envs, threads, machine, implement
+        )
+        self._hold(episodes, look, max_episode_steps, mode, grounds)
 
 
 def _threads(num_envs: int, nthread: int | None) -> int:

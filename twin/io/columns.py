@@ -137,9 +137,6 @@ STREAMS: dict[str, Columns] = {
             "-", "-",
             "engine torque over `sensors.machine.reference_torque_nm`; 0 to 1.25 in a simulation"
         ),
-        "engine_torque": Column(
-            "-", "-", "engine torque over the engine's reference torque (SPN 513), from logs alone"
-        ),
         "fuel_lph": Column("L/h", "-", "fuel rate"),
     },
     "camera": {
@@ -186,6 +183,7 @@ _POWERS = {
     "joint": "power lost in the damping of joints",
     "lift": "power that the lift takes from the linkage",
     "steer": "power that the steering takes from the front wheels",
+    "mass": "power that mass brings in as tanks are filled, counted negative; or takes along",
     "contact": "power lost at MuJoCo's own contacts and joint limits",
     "step": "energy error of the time integration, which halves with the step",
 }
@@ -251,6 +249,14 @@ TRUTH: Columns = {
         "true/false", "-",
         "from full depth until the plough is out of the ground; full depth is 95 % of the set "
         "depth, 50 % with `plough.hitch` draft or mix",
+    ),
+    "phase": Column(
+        "code", "-",
+        "what the driver is doing, int64: 0 stop, standing on purpose; 1 road, driven with the "
+        "implement raised or without one; 2 turn, on a headland; 3 work, the implement lowered",
+    ),
+    "gear_ratio": Column(
+        "-", "-", "engine turns per turn of the rear axle; negative in a reverse gear"
     ),
     "engine_radps": Column("rad/s", "-", "speed of the engine's crankshaft"),
     "engine_torque_nm": Column("N m", "-", "torque of the crankshaft"),

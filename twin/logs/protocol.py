@@ -2,6 +2,8 @@
 
 The clock check, three starts and stops from standstill, marks the protocol: nothing else is looked
 for in a log without it, unless the map's [protocol] says when the parts were driven.
+
+One module, because every part is found beside the others on one table of motion.
 """
 
 from __future__ import annotations

@@ -59,6 +59,7 @@ QUANTITIES: dict[str, dict[str, Quantity]] = {
         **{f"ticks_{w}": Quantity("count", f"ticks_{w}", -(2.0**53), 2.0**53) for w in WHEELS},
         **{f"accel_{w}": Quantity("acceleration", f"accel_{w}_mps2", -500, 500) for w in WHEELS},
         "speed_sd": Quantity("speed", "speed_sd_mps", 0.0),
+        "direction": Quantity("count", "direction", -16.0, 16.0),
     },
     "depth": {
         "laser": Quantity("length", "laser_m", 0.0, 100.0),
@@ -75,7 +76,7 @@ QUANTITIES: dict[str, dict[str, Quantity]] = {
         "fuel_rate": Quantity("fuel rate", "fuel_lph", 0.0, 1000.0),
     },
     "reference": {
-        "slip": Quantity("ratio", "slip", -1.0, 1.0),
+        "slip": Quantity("ratio", "slip", -2.0, 2.0),
         "speed": Quantity("speed", "speed_mps"),
         "wheel_speed": Quantity("speed", "wheel_speed_mps"),
         "sideslip_angle": Quantity("angle", "sideslip_rad", -math.pi, math.pi),

@@ -24,13 +24,14 @@ from twin.machine.plough_setting import (
     set_plough,
 )
 from twin.machine.start import standing, unloaded_speed_mps, unsettled
+from twin.machine.tanks import fit_tanks
 from twin.machine.turnover import turn_over
 from twin.physics import block
 from twin.physics.callback import install
 from twin.scenario import Plough, Scenario
 from twin.terrain.grid import GridMap
 from twin.terrain.maps import ground_maps
-from twin.terrain.place import add_envelopes, add_map, show_heights
+from twin.terrain.place import add_envelopes, add_map, fill, show_heights
 
 Array = NDArray[np.float64]
 
@@ -102,6 +103,7 @@ def assemble(
         _fit_tractor(spec, scenario.plough, numbers)
         turn_over(spec, scenario.plough, numbers)
         spec.body("plough.frame").quat = levelled(furrow_roll_rad(scenario, spec))
+    fit_tanks(spec, scenario.events, numbers)
     spec.option.timestep = scenario.timestep_s
     spec.add_sensor(name="potential_j", type=mujoco.mjtSensor.mjSENS_E_POTENTIAL)
     spec.add_sensor(name="kinetic_j", type=mujoco.mjtSensor.mjSENS_E_KINETIC)
@@ -111,6 +113,7 @@ def assemble(
     if dress is not None:
         dress(spec)
     model = spec.compile()
+    fill(model, maps, wheel_radii_m(numbers))
     hitch = _hitch(spec)
     reflected = numbers["engine.inertia_kgm2"] * scenario.gear.ratio**2
     model.dof_armature[model.joint("drive").dofadr[0]] = reflected

@@ -30,6 +30,10 @@ FURROW_AHEAD_M, FURROW_RAMP_M = 2.0, 3.0
 """The last furrow begins so far before the plough is lowered, and takes so long to its depth."""
 ENDLESS_M = 1e9
 """Where a furrow ends that the run does not leave."""
+STEADY, LEAST_STEADY = 0.85, 0.2
+"""Most that brake and clutch together may change the speed of a wheel in one step, over that speed,
+and what is left for the brake in any case [-]: above 2 they overshoot more each time and hold
+nothing, and the tyre's spring acts too. Where a brake is stiffer, its wind-up is longer."""
 MAPS = {"heights": Field.HEIGHTS, "mixture": Field.MIXTURE}
 """Height fields of the model that the laws read, and where the block says how they lie."""
 CONTROLS = {"clutch": "clutch_pedal", "lock": "differential_lock", "front_drive": "front_drive"}
@@ -239,13 +243,27 @@ def _coupling(
     kind = name.removesuffix("_rl").removesuffix("_rr")
     sizes = (Coupling.CAPACITY_NM, Coupling.WINDUP_RAD, Coupling.DAMPING_S)
     own = _named(numbers, kind, sizes)
+    if kind == "brake":
+        clutch = _named(numbers, "clutch", sizes)
+        left = STEADY - abs(gear_ratio) * _stiffness(model, clutch)
+        own[Coupling.WINDUP_RAD] *= max(1.0, _stiffness(model, own) / max(left, LEAST_STEADY))
     if kind == "clutch":  # it sits at the engine, the wind-up is the axle's
-        own[Coupling.CAPACITY_NM] *= gear_ratio
+        own[Coupling.CAPACITY_NM] *= abs(gear_ratio)
     return {
         Coupling.CONTROL: model.actuator(CONTROLS.get(kind, "brake")).id,
         Coupling.WINDUP: memory.address(model, f"{name}_windup"),
         **own,
     }
+
+
+def _stiffness(model: mujoco.MjModel, element: Part) -> float:
+    """How much a friction element changes the speed of a rear wheel in one step, over that speed.
+
+    C (dt + tau) dt / (u_max I)
+    """
+    dt_s, inertia = float(model.opt.timestep), float(model.body("rl_wheel").inertia.max())
+    held = element[Coupling.CAPACITY_NM] * (dt_s + element[Coupling.DAMPING_S]) * dt_s
+    return held / (element[Coupling.WINDUP_RAD] * inertia)
 
 
 def _plough(model: mujoco.MjModel, numbers: dict[str, float], law: str) -> Part:

@@ -62,13 +62,13 @@ def standing(
 ) -> Array:
     """Standing on the ground at the start of the course, the plough carried. Shape (nq,)."""
     qpos = model.qpos0.copy()
-    left_m = scenario.course.start_left_m
+    start_m, left_m = 0.0 - scenario.course.road_m, scenario.course.start_left_m
     upright, raised_m = rotation, 0.0
     if heights is not None:
-        lean, raised_m = _lean(model, heights, left_m)
+        lean, raised_m = _lean(model, heights, start_m, left_m)
         upright = rotation @ lean
     axle_m = float(model.body("tractor").pos[2])
-    qpos[:3] = rotation @ np.array([0.0, left_m, raised_m]) + axle_m * upright[:, 2]
+    qpos[:3] = rotation @ np.array([start_m, left_m, raised_m]) + axle_m * upright[:, 2]
     qpos[3:7] = quaternion.from_matrix(upright)
     if hitch is None:
         return np.asarray(qpos, dtype=np.float64)
@@ -80,14 +80,16 @@ def standing(
     return np.asarray(qpos, dtype=np.float64)
 
 
-def _lean(model: mujoco.MjModel, heights: GridMap, left_m: float) -> tuple[Array, float]:
+def _lean(
+    model: mujoco.MjModel, heights: GridMap, start_m: float, left_m: float
+) -> tuple[Array, float]:
     """Rotation that lays the machine on the plane through its wheels' places, and its height.
 
     Raised until none of them is below the ground.
     """
     front_m, half_m = float(model.body("front_axle").pos[0]), float(model.body("rl_wheel").pos[1])
     s, t = (a.ravel() for a in np.meshgrid([0.0, front_m], [half_m, -half_m]))
-    ground_m = heights.at(s, left_m + t)
+    ground_m = heights.at(start_m + s, left_m + t)
     plane = np.stack([np.ones(4), s, t], axis=1)
     found, *_ = np.linalg.lstsq(plane, ground_m)
     raised_m = float(found[0] + np.max(ground_m - plane @ found))

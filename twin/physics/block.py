@@ -16,7 +16,7 @@ Part: TypeAlias = dict[Any, float]
 
 MAGIC = 7.714e38
 """First number of the block; a model without it is left alone, bit for bit."""
-VERSION = 6.0
+VERSION = 7.0
 WHEELS = ("fl", "fr", "rl", "rr")
 
 
@@ -175,8 +175,17 @@ class Engine(IntEnum):
     SHAFT = 17  # address of the drive shaft's velocity, at the rear axle's speed; -1 without one
     THROTTLE = 18  # address of the control
     POINT_COUNT = 19  # points of a measured full-load curve; 0 for the parabola
-    POINTS = 20  # speed [rpm] and torque [N m] of each; room for MOST_POINTS
-    SIZE = 20 + 2 * 10
+    KEY = 20  # a Key: whether a diesel has fuel, and its starter turns
+    POINTS = 21  # speed [rpm] and torque [N m] of each; room for MOST_POINTS
+    SIZE = 21 + 2 * 10
+
+
+class Key(IntEnum):
+    """The ignition key."""
+
+    RUN = 0
+    OFF = 1
+    START = 2
 
 
 class Coupling(IntEnum):

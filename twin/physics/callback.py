@@ -139,7 +139,10 @@ def drive(
     rates: Array,
     powers: Array,
 ) -> None:
-    """Engine, clutch, differential with its lock, front-axle drive, and brakes."""
+    """Engine, clutch, differential with its lock, front-axle drive, and brakes.
+
+    The front axle is driven by the pinion of the rear differential, behind the clutch.
+    """
     engine = parameters[ENGINE:COUPLING]
     fl, fr, rl, rr = (
         int(parameters[WHEEL + Wheel.SPIN]),
@@ -155,20 +158,21 @@ def drive(
     parasitic = parasitic_torque_nm(engine, rpm) * engine_radps
     output = axle_torque_nm(engine, torque, rpm)
     rear_rate = qvel[shaft] - 0.5 * (qvel[rl] + qvel[rr])
-    front_rate = ratio * qvel[shaft] - 0.5 * (qvel[fl] + qvel[fr])
+    front_rate = 0.5 * (ratio * (qvel[rl] + qvel[rr]) - (qvel[fl] + qvel[fr]))
     lock_rate = qvel[rl] - qvel[rr]
     rear = couple(parameters, CLUTCH, True, rear_rate, act, ctrl, dt_s, rates, slots)
     front = couple(parameters, FRONT_DRIVE, False, front_rate, act, ctrl, dt_s, rates, slots)
     lock = couple(parameters, LOCK, False, lock_rate, act, ctrl, dt_s, rates, slots)
     brake_l = couple(parameters, BRAKE_RL, False, qvel[rl], act, ctrl, dt_s, rates, slots)
     brake_r = couple(parameters, BRAKE_RR, False, qvel[rr], act, ctrl, dt_s, rates, slots)
-    passive[shaft] += output - rear - ratio * front
-    passive[rl] += 0.5 * rear - lock - brake_l
-    passive[rr] += 0.5 * rear + lock - brake_r
+    axle = rear - ratio * front
+    passive[shaft] += output - rear
+    passive[rl] += 0.5 * axle - lock - brake_l
+    passive[rr] += 0.5 * axle + lock - brake_r
     passive[fl] += 0.5 * front
     passive[fr] += 0.5 * front
     slots[MachineSlot.ENGINE_RADPS], slots[MachineSlot.ENGINE_TORQUE_NM] = engine_radps, torque
-    slots[MachineSlot.AXLE_TORQUE_NM] = rear
+    slots[MachineSlot.AXLE_TORQUE_NM] = axle
     slots[MachineSlot.BRAKE_TORQUE_NM] = brake_l + brake_r
     powers[PowerSlot.ENGINE] = torque * engine_radps
     powers[PowerSlot.PARASITIC] = parasitic

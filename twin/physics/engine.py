@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 from twin.compute.compiled import law
-from twin.physics.block import Engine
+from twin.physics.block import Engine, Key
 from twin.physics.shapes import Array
 
 ELECTRIC = 1.0
 POINTS = int(Engine.POINTS)
+OFF, START = int(Key.OFF), int(Key.START)
 MOTORED_PA, MOTORED_PA_PER_RPM, MOTORED_PA_S2PM2 = 75e3, 48.0, 400.0
 """Mean effective pressure that turns an unfuelled diesel of direct injection: at rest, per speed,
 and per square of the mean piston speed."""
@@ -17,6 +18,9 @@ STALLED_RPM, FIRING_RPM = 300.0, 500.0
 """A diesel that is pulled below the second loses torque, and below the first has died [rpm]."""
 TURNING_RPM = 50.0
 """Speed within which the parasitic torque changes its sign about rest [rpm]."""
+STARTER_RPM, STARTER_SHARE = 600.0, 0.4
+"""Speed at which a starter turns freely, and its torque at rest over the rated torque [rpm, -]: it
+turns a warm diesel at some 300 rpm until it fires; assumed."""
 
 
 @law
@@ -103,12 +107,25 @@ def engine_torque_nm(engine: Array, throttle: float, rpm: float) -> float:
 
     The droop grows as 1/n0 because a flyweight's force falls with the square of its speed.
     Above n0 the fuel is shut off, and an exhaust brake that is switched on closes.
+
+    With the key off, a diesel is braked to rest, and a motor gives nothing:
+        T  = -braking torque clip(n / 50 rpm, -1, 1)
+    With the key at start, the starter of a diesel adds
+        T  = 0.4 T_r max(0, 1 - n / 600 rpm)
     """
+    key = engine[Engine.KEY]
+    if key == OFF:
+        turning = min(max(rpm / TURNING_RPM, -1.0), 1.0)
+        return 0.0 if engine[Engine.KIND] == ELECTRIC else -turning * braking_torque_nm(engine, rpm)
     idle, top = engine[Engine.IDLE_RPM], engine[Engine.NO_LOAD_RPM]
     set_rpm = idle + throttle * (top - idle)
     droop = engine[Engine.DROOP_RPM_PER_NM] * top / set_rpm
     torque = (set_rpm - rpm) / droop
-    return min(max(torque, -braking_torque_nm(engine, rpm)), full_load_torque_nm(engine, rpm))
+    torque = min(max(torque, -braking_torque_nm(engine, rpm)), full_load_torque_nm(engine, rpm))
+    if key == START and engine[Engine.KIND] != ELECTRIC:
+        starter = STARTER_SHARE * engine[Engine.RATED_TORQUE_NM]
+        torque += starter * max(0.0, 1.0 - rpm / STARTER_RPM)
+    return torque
 
 
 @law

@@ -8,11 +8,21 @@ from dataclasses import asdict
 import numpy as np
 
 from twin.io.plain import Plain
-from twin.logs.activity import WORKING, Activity, activity
+from twin.logs.activity import (
+    EMPTY,
+    STANDING,
+    TURNING,
+    UNKNOWN,
+    WORKING,
+    Activity,
+    activity,
+)
 from twin.logs.job import Implement
 from twin.logs.summary import area, highest_slip, shares
 from twin.logs.timeline import SECOND_NS, timeline
+from twin.scores.phases import Phases
 from twin.streams import Array, Streams, Table
+from twin.trajectory.phase import Phase
 
 
 def findings(
@@ -60,6 +70,31 @@ def findings(
             name: spread(slip_at_work(table, rows, done)) for name, table in estimates.items()
         }
     return found
+
+
+PHASE_OF = {
+    WORKING: Phase.WORK,
+    TURNING: Phase.TURN,
+    EMPTY: Phase.ROAD,
+    STANDING: Phase.STOP,
+    UNKNOWN: UNKNOWN,
+}
+"""Activity of a log -> phase of a drive."""
+
+
+def phases_of(
+    streams: Streams,
+    estimates: Mapping[str, Table],
+    no_work_ns: Sequence[tuple[int, int]] = (),
+) -> Phases | None:
+    """The activities of a log as phases of a drive; None where nothing was measured."""
+    rows = timeline(streams, estimates.get(shown_estimator(estimates) or ""))
+    if not len(rows["epoch_ns"]):
+        return None
+    done = activity(rows, no_work_ns)
+    code = np.array([PHASE_OF[of] for of in done.code.tolist()], np.int64)
+    rule = f"phases are the log's activities: {done.rule[0].lower()}{done.rule[1:].rstrip('.')}"
+    return Phases(rows["epoch_ns"] - SECOND_NS // 2, code, rule)
 
 
 def shown_estimator(estimates: Mapping[str, Table]) -> str | None:

@@ -13,7 +13,7 @@ from twin.io import run_folder
 from twin.io.plain import Plain
 from twin.logs import Log, Reader
 from twin.logs.protocol_parts import Part
-from twin.pipeline import drive, log_check, protocol
+from twin.pipeline import drive, log_check, protocol, tuned
 from twin.pipeline.drive import spread
 from twin.pipeline.estimating import Estimator, all_estimates
 from twin.pipeline.hidden import hidden_scores
@@ -34,6 +34,7 @@ def estimate(
     strict: bool = False,
     offset_s: Mapping[str, float] | None = None,
     hide_s: Sequence[float] = (),
+    tuning: Path | None = None,
     told: Callable[[int, int], None] = lambda done, total: None,
 ) -> Result:
     """Read a log and run the estimators on it.
@@ -46,29 +47,33 @@ def estimate(
         strict: refuse a log with a single bad row.
         offset_s: file name -> how far its clock is ahead of the first file's [s].
         hide_s: for how long GNSS is hidden to score what is foretold [s]; none leaves it out.
+        tuning: file of `twin tune` that says other noises of some of them.
         told: told how many estimators of how many are done.
 
     Raises:
         BadInput: the log or the map cannot be used; says which value, and what would do.
     """
     start = time.perf_counter()
+    changed: list[str] = []
+    if tuning is not None:
+        estimators, changed = tuned.applied(estimators, tuned.read(tuning), tuning)
     files = [paths] if isinstance(paths, Path) else list(paths)
     read = logs.read(files, column_map, reader, strict=strict, offset_s=offset_s)
-    log, steady, beside = _prepared(read)
+    log, steady, beside = prepared(read)
     done = all_estimates(estimators, log.setup, log.streams, told)
     hidden = {"hidden": hidden_scores(log, estimators, hide_s)} if hide_s else {}
-    reference = _reference(log, files[0]) or {}
+    known = reference(log, files[0]) or {}
     found = findings(log, done.tables, steady, protocol_spans_ns(beside))
     noted = loud(log, done.tables, found.get("work_slip"))
-    odd = percent_note("slip of the reference", reference, log.streams)
+    odd = percent_note("slip of the reference", known, log.streams)
     return Result(
         scenario=None,
         setup=log.setup,
         streams=log.streams,
-        truth=reference,
+        truth=known,
         estimates=done.tables,
         wall_s=time.perf_counter() - start,
-        notes=(*log.notes, *done.notes, *([odd] if odd else []), *noted),
+        notes=(*changed, *log.notes, *done.notes, *([odd] if odd else []), *noted),
         failed=done.failed,
         name=files[0].resolve().stem,
         found=beside | hidden | found,
@@ -172,7 +177,7 @@ def steady_summary(log: Log, estimates: Table) -> dict[str, float | int | None]:
     return spread(scores.at(estimates, "slip", epoch_ns[chosen]))
 
 
-def _prepared(log: Log) -> tuple[Log, SteadySlip | None, dict[str, Plain]]:
+def prepared(log: Log) -> tuple[Log, SteadySlip | None, dict[str, Plain]]:
     """The log with wheel speeds scaled to zero slip, and what its own drives told.
 
     The map's rule scales them, else the zero-pull passes of a recording protocol.
@@ -201,7 +206,7 @@ def _zero_slip(log: Log, beside: Mapping[str, Plain]) -> str:
     )
 
 
-def _reference(log: Log, path: Path) -> Table | None:
+def reference(log: Log, path: Path) -> Table | None:
     """The log's own reference; for a run folder, its truth."""
     truth = path / run_folder.TRUTH
     if log.reference is None and path.is_dir() and truth.exists():

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from twin.pipeline.result import Measured, Result
     from twin.pipeline.run import Progress
     from twin.scenario import Scenario
+    from twin.simulation.levers import Controlled
 
 DEFAULT_ESTIMATORS = ("ratio", "four-state")
 
@@ -50,6 +51,7 @@ def run(
     seed: int | None = None,
     progress: Progress | None = None,
     frames: Path | None = None,
+    controlled: Controlled | None = None,
 ) -> Result:
     """Drive a scenario, sense it, run the estimators, and score them against the truth.
 
@@ -59,6 +61,8 @@ def run(
         seed: of everything random, in place of the scenario's.
         progress: called with the share of the course driven, 0 to 1, and the time driven [s].
         frames: folder where the camera's frames are saved as PNG.
+        controlled: who sets throttle and hitch in work, by
+            `twin.control.on_machine.controlled_by`.
 
     Raises:
         BadInput: a field is set that has no effect in this run, or a name is unknown.
@@ -76,7 +80,13 @@ def run(
     chosen: Any = load(scenario) if isinstance(scenario, str | Path) else scenario
     if seed is not None:
         chosen = dataclasses.replace(chosen, seed=seed)
-    return driven(chosen, estimators=by_name(estimators), progress=progress, frames=frames)
+    return driven(
+        chosen,
+        estimators=by_name(estimators),
+        progress=progress,
+        frames=frames,
+        controlled=controlled,
+    )
 
 
 def estimate(
@@ -88,6 +98,7 @@ def estimate(
     strict: bool = False,
     offset_s: Mapping[str, float] | None = None,
     hide_s: Iterable[float] = (),
+    tuning: str | Path | None = None,
 ) -> Result:
     """Run the estimators on a recorded drive.
 
@@ -102,6 +113,7 @@ def estimate(
             given is found from the speeds.
         hide_s: for how long GNSS is hidden at regular places while driving [s];
             `scores["hidden"]` then says how well each estimator foretold the receiver's speed.
+        tuning: file that `twin tune` wrote: other noises of some of the estimators.
 
     Raises:
         BadInput: the log or the map cannot be used; the message names the value.
@@ -118,6 +130,7 @@ def estimate(
     return estimated(
         files, path, estimators=by_name(estimators), reader=by, strict=strict,
         offset_s=offset_s, hide_s=tuple(hide_s),
+        tuning=None if tuning is None else Path(tuning),
     )  # fmt: skip
 
 

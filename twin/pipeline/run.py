@@ -15,6 +15,8 @@ from twin import sensors
 from twin.camera import tracking
 from twin.camera.frames import DrawnFrames
 from twin.camera.tracking import Tracker
+from twin.errors import BadInput
+from twin.io.spool import Spool
 from twin.machine.build import Machine
 from twin.machine.geometry import geometry
 from twin.pipeline.estimating import Estimator, all_estimates
@@ -29,7 +31,9 @@ from twin.simulation import calibration
 from twin.simulation.build import build
 from twin.simulation.course_task import asked_mps
 from twin.simulation.driver import full_depth_m
+from twin.simulation.levers import Controlled, SetLevers
 from twin.simulation.notes import notes, unheld
+from twin.simulation.operator import operated
 from twin.streams import Frames, Setup, Streams, Table, concatenate
 from twin.trajectory.end import End
 from twin.truth import truth
@@ -46,6 +50,7 @@ def run(
     estimators: Mapping[str, Estimator],
     progress: Progress | None = None,
     frames: Path | None = None,
+    controlled: Controlled | None = None,
 ) -> Result:
     """Drive a scenario, sense it, and estimate from what was sensed.
 
@@ -54,6 +59,7 @@ def run(
         estimators: by name; each sees the set-up and the streams, nothing else.
         progress: told how far it is.
         frames: folder where the camera's frames are saved as PNG.
+        controlled: who sets throttle and hitch in work, in the driver's place.
 
     Raises:
         BadInput: a field is set that the run would not read, or the signals fail; says which and
@@ -68,11 +74,23 @@ def run(
         machine = build(scenario)
         nominal = geometry(machine)
         setup = sensors.setup(scenario.sensors, nominal)
-        streams, true, kept, ends = sense(machine, nominal.driven, progress or _silent, frames)
+        set_levers = None if controlled is None else controlled.start(machine)
+        streams, true, kept, ends = sense(
+            machine, nominal.driven, progress or _silent, frames, set_levers
+        )
         *before, end = ends
-        said = notes(machine) + unheld(asked_mps(machine), true)
+        said = notes(machine)
+        if controlled is not None:
+            said += (f"throttle and hitch in work were set by controller '{controlled.name}'",)
+        elif not operated(scenario):  # else gears and throttle change on the way
+            said += unheld(asked_mps(machine), true)
         said += tuple(f"calibration: {leg}" for leg in before if not leg.as_planned)
     else:
+        if controlled is not None:
+            raise BadInput(
+                f"controller '{controlled.name}': scenario '{scenario.name}' has signals alone, "
+                "and no machine to drive"
+            )
         setup, streams, true = _measured(scenario)
         odd = percent_note("slip of the truth", true, streams)
         said = () if odd is None else (odd,)
@@ -108,6 +126,7 @@ def sense(
     driven: tuple[str, ...],
     progress: Progress,
     frames: Path | None = None,
+    set_levers: SetLevers | None = None,
 ) -> tuple[Streams, Table, Frames | None, list[End]]:
     """Drive a machine, after its calibration.
 
@@ -116,18 +135,20 @@ def sense(
         driven: its driven wheels.
         progress: told how far it is.
         frames: folder where the camera's frames are saved as PNG.
+        set_levers: sets throttle and hitch in work, in the driver's place.
 
     Returns:
         What its sensors gave, the truth of the run, a few of its camera's frames, and how each
         leg of the calibration and, last, the run ended.
     """
     scenario = machine.scenario
-    recording, run_chunks = calibration.run_chunks(machine)
+    recording, run_chunks = calibration.run_chunks(machine, set_levers)
     fitted = sensors.faults_from(scenario.sensors, recording.start_ns * 1e-9)
     state = sensors.init(fitted, scenario.seed)
     tracker = _tracker(fitted, machine, frames)
     course_m, driven_m, driven_s = length_m(scenario), 0.0, 0.0
-    streams, parts, kept, ends = [], [], list[Frames](), list[End]()
+    tables, framed, rows = dict[str, Spool](), list[Streams](), Spool()
+    kept, ends = list[Frames](), list[End]()
     with ThreadPoolExecutor(1) as pool:
         for chunk in itertools.chain(recording.chunks(), run_chunks):
             state, sampled = sensors.sample(fitted, state, chunk)
@@ -136,22 +157,27 @@ def sense(
             sampled = recording.recorded(sampled)
             if tracker is not None:
                 tracker, sampled = tracking.track(tracker, sampled, pool)
-            streams.append(sampled)
+            for name, table in sampled.tables.items():
+                tables.setdefault(name, Spool()).append(table)
+            if sampled.frames is not None:
+                framed.append(Streams({}, sampled.frames))
             if chunk.end is not None:
                 ends.append(chunk.end)
             if chunk.epoch_ns[0] >= recording.start_ns:
-                parts.append(truth.sample(chunk, driven))
+                rows.append(truth.sample(chunk, driven))
                 place_w = chunk["position_w"]
                 driven_m += float(np.linalg.norm(place_w[-1] - place_w[0]))
                 driven_s = float(chunk.epoch_ns[-1] - recording.start_ns) * 1e-9
                 progress(min(1.0, driven_m / course_m), driven_s)
     plough = scenario.plough
-    full_m = None if plough is None else full_depth_m(plough.depth_m, plough.hitch)
+    least_m = scenario.shallowest_m
+    full_m = None if plough is None or least_m is None else full_depth_m(least_m, plough.hitch)
     progress(1.0, driven_s)
-    table = truth.integrate(truth.concatenate(parts), full_m)
+    table = truth.integrate(rows.table(), full_m)
     true = {name: np.ascontiguousarray(c) for name, c in table.items()}
     shown = ChainMap(*kept) if kept else None  # type: ignore[arg-type,var-annotated]
-    return concatenate(streams), true, shown, ends
+    streams = {name: spool.table() for name, spool in tables.items()}
+    return Streams(streams, concatenate(framed).frames), true, shown, ends
 
 
 def _tracker(fitted: Sensors, machine: Machine, frames: Path | None) -> Tracker | None:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
+from twin.pipeline.drive import phases_of
 from twin.pipeline.result import Result
 from twin.plugins.lookup import attribute
 from twin.scores import scores
+from twin.scores.log_table import protocol_spans_ns
 from twin.streams import Table
 
 BOUND = "estimators.bounds:bound"
@@ -34,8 +36,17 @@ def run_scores(result: Result) -> scores.Scores:
 
 
 def log_scores(result: Result) -> scores.Scores:
-    """Scores of a log where it has a reference, and what was found of it."""
-    table = scores.score(result.truth, result.estimates, scenario=result.name, seed=None)
+    """Scores of a log where it has a reference, and what was found of it.
+
+    By the driver's phases where it is a run's folder, else by the activities of the log.
+    """
+    known = {"phase", "depth_m"} & set(result.truth)
+    told = result.truth and not known
+    spans_ns = protocol_spans_ns(result.found)
+    driven = phases_of(result.streams, result.estimates, spans_ns) if told else None
+    table = scores.score(
+        result.truth, result.estimates, scenario=result.name, seed=None, driven=driven
+    )
     own = {"zero_slip": zero_slip(result), "notes": list(result.notes)}
     return table | dict(result.found) | own
 

@@ -22,7 +22,7 @@ def needed(module: str, extra: str, what: str, package: str) -> Any:
     try:
         return import_module(module)
     except ImportError:
-        raise BadInput(f"{what} need {package}: pip install 'tractor-twin[{extra}]'") from None
+        raise BadInput(f"{what} need {package}: pip install '.[{extra}]' in a checkout") from None
 
 
 @contextmanager

@@ -16,7 +16,16 @@ from twin.report.draw import Drawing
 from twin.report.html import document, made_with, table
 from twin.report.html import figures as figures_of
 from twin.report.log_page import Figure
-from twin.scores.table import COVERAGE, HEADERS, end_lines, score_rows, zero_line
+from twin.scores.table import (
+    COVERAGE,
+    HEADERS,
+    PHASE_RANKS,
+    end_lines,
+    left_out_lines,
+    phase_rows,
+    score_rows,
+    zero_line,
+)
 
 SLIP_OVER_TIME = (
     "Black: truth. Bands: ±2 reported standard deviations; about the truth, ±2 of the causal "
@@ -117,7 +126,20 @@ def _headline(scores: Mapping[str, Plain]) -> str:
     )
     if (zero := zero_line(scores)) is not None:
         note += f" {html.escape(zero[0].upper() + zero[1:])}."
-    return f'<h2>Scores</h2>{table(HEADERS, rows)}<p class="soft">{note}</p>'
+    note += "".join(
+        f" {html.escape(line[0].upper() + line[1:])}." for line in left_out_lines(scores)
+    )
+    headline = f'<h2>Scores</h2>{table(HEADERS, rows)}<p class="soft">{note}</p>'
+    return headline + _by_phase(scores)
+
+
+def _by_phase(scores: Mapping[str, Plain]) -> str:
+    rows = phase_rows(scores)
+    if not rows:
+        return ""
+    rule = f"While driving; {html.escape(str(scores['phase_rule']))}."
+    shown = table(tuple(PHASE_RANKS), rows)
+    return f'<h3>By phase</h3>{shown}<p class="soft">{rule}</p>'
 
 
 def _notes(scores: Mapping[str, Plain]) -> str:

@@ -26,6 +26,7 @@ SETTLING_M = 5.0
 LOSSES = (
     "parasitic", "transmission", "driveline", "brake", "slip_long", "slip_lat", "rolling",
     "tyre", "wall", "drawbar", "depth_wheel", "joint", "lift", "steer", "contact", "step",
+    "mass",
 )  # fmt: skip
 
 

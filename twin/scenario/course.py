@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from twin.errors import BadInput, OutOfRange, check_range
+from twin.errors import BadInput, OutOfRange, UnknownName, check_range
 
+HEADLANDS = ("loop", "backing")
 LEAST_APPROACH_M = 15.0
 """Shortest approach after a turn [m]."""
 
@@ -59,6 +60,14 @@ class Course:
     part that is scored."""
     passes: int = 1
     """How often the field is crossed, up and down, with turns on the headlands between."""
+    headland: str = "loop"
+    """How the machine turns between passes: loop, always ahead, or backing, with ways backwards
+    between parts of a half turn."""
+    backings: int = 1
+    """How often it backs up in a turn with backing."""
+    road_m: float = 0.0
+    """Length of the road to the field, before the approach, and back, after the last pass [m]; 0
+    for a run that begins and ends in the field."""
     heading_deg: float = 0.0
     """Direction of the line, counter-clockwise from east [deg]."""
     start_left_m: float = 0.0
@@ -77,7 +86,11 @@ class Course:
         if self.edge_m is not None:
             check_range("course.edge_m", self.edge_m, 0.5, 100.0)
         check_range("course.length_m", self.length_m, 1.0, 5000.0)
-        check_range("course.passes", self.passes, 1, 100)
+        check_range("course.passes", self.passes, 1, 1000)
+        if self.headland not in HEADLANDS:
+            raise UnknownName("course.headland", self.headland, HEADLANDS)
+        check_range("course.backings", self.backings, 1, 6)
+        check_range("course.road_m", self.road_m, 0.0, 20000.0)
         if self.passes > 1 and self.approach_m < LEAST_APPROACH_M:
             raise OutOfRange(
                 "course.approach_m", f"{self.approach_m:g}",

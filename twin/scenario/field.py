@@ -28,8 +28,8 @@ class Patch:
     """Cone index there, over that of the soil around [-]."""
 
     def __post_init__(self) -> None:
-        check_range("patch.start_m", self.start_m, -1000.0, 10000.0)
-        check_range("patch.length_m", self.length_m, 0.5, 10000.0)
+        check_range("patch.start_m", self.start_m, -20000.0, 10000.0)
+        check_range("patch.length_m", self.length_m, 0.5, 40000.0)
         check_range("patch.friction_factor", self.friction_factor, 0.1, 2.0)
         check_range("patch.cone_index_factor", self.cone_index_factor, 0.1, 4.0)
 
@@ -66,6 +66,11 @@ class Field:
     patches: tuple[Patch, ...] = ()
     """Stretches where friction and cone index are scaled, four at most; they multiply."""
 
+    @property
+    def mixed(self) -> bool:
+        """Whether some of the ground is of the other soil."""
+        return self.soil_map is not None or self.other_share > 0.0
+
     def __post_init__(self) -> None:
         check_range("field.cross_slope_deg", self.cross_slope_deg, -25.0, 25.0)
         check_range("field.grade_deg", self.grade_deg, -15.0, 15.0)
@@ -89,8 +94,13 @@ class Field:
         check_range("field.other_length_m", self.other_length_m, 1.0, 100.0)
 
 
-def check_patches(soil: Preset, patches: tuple[Patch, ...]) -> None:
-    """Refuse patches on which the soil would leave the ranges it is held to elsewhere.
+def check_patches(where: str, soil: Preset, patches: tuple[Patch, ...]) -> None:
+    """Refuse patches on which a soil would leave the ranges it is held to elsewhere.
+
+    Args:
+        where: the soil's field in a scenario.
+        soil: its numbers.
+        patches: those of the ground it lies on.
 
     Raises:
         OutOfRange: friction or cone index of the soil times the factors of a patch, and of those
@@ -106,6 +116,6 @@ def check_patches(soil: Preset, patches: tuple[Patch, ...]) -> None:
             if not (math.isnan(value) or low <= value <= high):
                 raise OutOfRange(
                     f"field.patches[{i}].{kind}", f"{factor:g}",
-                    f"what soil.{name} = {getattr(soil, name):g} allows: times the factor it is "
+                    f"what {where}.{name} = {getattr(soil, name):g} allows: times the factor it is "
                     f"{value:g}, and [{low:g}, {high:g}] would do",
                 )  # fmt: skip

@@ -43,6 +43,8 @@ class Leg:
     length_m: float = math.inf
     curvature_pm: float = 0.0
     """Positive to the left [1/m]."""
+    back: bool = False
+    """Driven backwards; direction, curvature and errors are those of who looks along the way."""
 
 
 def on_leg(leg: Leg, s_m: float, t_m: float, heading_rad: float) -> tuple[float, float, float]:
@@ -54,7 +56,7 @@ def on_leg(leg: Leg, s_m: float, t_m: float, heading_rad: float) -> tuple[float,
     cosine, sine = math.cos(leg.heading_rad), math.sin(leg.heading_rad)
     ahead = cosine * (s_m - leg.s_m) + sine * (t_m - leg.t_m)
     left = cosine * (t_m - leg.t_m) - sine * (s_m - leg.s_m)
-    turned = heading_rad - leg.heading_rad
+    turned = heading_rad - leg.heading_rad + (math.pi if leg.back else 0.0)
     if leg.curvature_pm != 0.0:
         radius, way = 1.0 / abs(leg.curvature_pm), math.copysign(1.0, leg.curvature_pm)
         inward = radius - way * left
@@ -96,6 +98,33 @@ def turn(start: Leg, width_m: float, side: int) -> list[Leg]:
     return out
 
 
+def backed_turn(start: Leg, width_m: float, side: int, backings: int = 1) -> list[Leg]:
+    """Legs from the end of a pass to the next line, backing up between the parts of a half turn.
+
+    n ways backwards stand between n + 1 arcs of radius R and angle alpha. The turn ends where it
+    began along the field, a width w aside:
+
+        alpha = pi / (n + 1)        straight back (2 R - w) tan(alpha / 2) each
+
+    Args:
+        start: where the turn begins; its length is not looked at.
+        width_m: distance of the next line, less than 2 RADIUS_M.
+        side: +1 for a next line on the left, -1 on the right.
+        backings: n.
+    """
+    angle, bend = math.pi / (backings + 1), side / RADIUS_M
+    back_m = (2.0 * RADIUS_M - width_m) * math.tan(0.5 * angle)
+    out = [Leg(start.s_m, start.t_m, start.heading_rad, CLEAR_M)]
+    for part in range(backings + 1):
+        heading = start.heading_rad + side * part * angle
+        begin = end_of(out[-1])
+        if part:
+            out.append(Leg(begin.s_m, begin.t_m, heading + math.pi, back_m, back=True))
+            begin = end_of(out[-1])
+        out.append(Leg(begin.s_m, begin.t_m, heading, RADIUS_M * angle, bend))
+    return out
+
+
 def land_side(scenario: Scenario) -> int:
     """Side on which the next line lies: that of the land; +1 left of the first pass."""
     plough = scenario.plough
@@ -114,7 +143,9 @@ def length_m(scenario: Scenario) -> float:
     course = scenario.course
     alpha = math.acos(0.5)
     between = CLEAR_M + RADIUS_M * (math.pi + 4.0 * alpha)
-    return course.passes * (course.approach_m + course.length_m) + (course.passes - 1) * between
+    road_m = 2.0 * course.road_m + (course.approach_m if course.road_m else 0.0)
+    field_m = course.passes * (course.approach_m + course.length_m) + (course.passes - 1) * between
+    return field_m + road_m
 
 
 def extent_m(scenario: Scenario) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -12,9 +12,13 @@ from functools import cached_property
 
 from twin.errors import BadInput, OutOfRange, UnknownName
 from twin.scenario.course import Course, Drive
+from twin.scenario.driver import Driver
+from twin.scenario.events import Event
 from twin.scenario.field import Field, check_patches
 from twin.scenario.gear import Gear, gear
+from twin.scenario.gearbox import Gearbox, gearbox
 from twin.scenario.plough import Plough
+from twin.scenario.possible import refuse_impossible
 from twin.scenario.soil import Soil
 from twin.sensors import Sensors
 from twin.streams import ZERO_SLIPS
@@ -47,6 +51,9 @@ class Scenario:
     plough: Plough | None = None
     drive: Drive = dataclasses.field(default_factory=Drive)
     course: Course = dataclasses.field(default_factory=Course)
+    driver: Driver = dataclasses.field(default_factory=Driver)
+    events: tuple[Event, ...] = ()
+    """What happens on the way: throttle, shifts, stops and more; or a file, with --events."""
     sensors: Sensors = dataclasses.field(default_factory=Sensors)
     timestep_s: float = 0.002
     """Time step of the physics [s]."""
@@ -75,7 +82,11 @@ class Scenario:
             raise OutOfRange("timestep_s", self.timestep_s, f"the choices {STEPS_S}")
         if not 0 <= self.seed < 2**31:
             raise OutOfRange("seed", self.seed, "[0, 2147483647]")
-        check_patches(self.soil.resolved, self.field.patches)
+        check_patches("soil", self.soil.resolved, self.field.patches)
+        if self.field.mixed:
+            other = self.field.other_soil.resolved
+            check_patches("field.other_soil", other, self.field.patches)
+        refuse_impossible(self)
 
     def _check_machine(self) -> None:
         """What the machine cannot do."""
@@ -91,7 +102,7 @@ class Scenario:
                 f"course.edge_m needs the outline of the machine, which {facts.name} does not "
                 "have; a field has no edge"
             )
-        if self.drive.all_wheel_drive and not self._drives_front:
+        if self.drive.all_wheel_drive and not self.drives_front:
             raise BadInput(
                 f"drive.all_wheel_drive = True: {facts.name} has two driven wheels; False would do"
             )
@@ -114,7 +125,7 @@ class Scenario:
             object.__setattr__(self, "plough", flat)
 
     @property
-    def _drives_front(self) -> bool:
+    def drives_front(self) -> bool:
         """Whether the front axle can be engaged; of a hand-made MJCF it is not said."""
         return self.machine_file.mjcf is not None or self.machine_file.drive.driven == "all"
 
@@ -147,6 +158,19 @@ class Scenario:
     def gear(self) -> Gear:
         """The gear and the engine speed that are driven."""
         return gear(self.drive, self.facts)
+
+    @property
+    def gearbox(self) -> Gearbox:
+        """The gears that the driver can shift to."""
+        return gearbox(self.facts, self.gear)
+
+    @property
+    def shallowest_m(self) -> float | None:
+        """Least depth that the implement is set to, by `plough` and by events; None without one."""
+        if self.plough is None:
+            return None
+        set_m = (e.depth_m for e in self.events if e.depth_m is not None)
+        return min((self.plough.depth_m, *set_m))
 
     @property
     def deepest_m(self) -> float:

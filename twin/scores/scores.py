@@ -1,6 +1,7 @@
 """Scores: each estimate against the truth at its own epoch, inside a stated window.
 
-Pure functions on tables. A NaN, in the estimate or in the truth, is left out and counted.
+Pure functions on tables. What is left out is counted: a NaN, in the estimate or in the truth, and
+what is slower than `twin.scores.phases.DRIVING_MPS`, where a slip is a ratio of two noises.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.plugins.lookup import Thing
+from twin.scores.phases import DRIVING_MPS, SCORED, Phases, phases, speed_mps
 from twin.streams import Table
 
 if TYPE_CHECKING:
@@ -116,6 +118,7 @@ def score(
     scenario: str,
     seed: int | None,
     window: tuple[float, float] | None = None,
+    driven: Phases | None = None,
 ) -> Scores:
     """Scores of all estimators, as written to scores.json.
 
@@ -125,15 +128,19 @@ def score(
         scenario: its name.
         seed: its seed; None for a log.
         window: first and last epoch that count [s]; by default that of `window_s`.
+        driven: what was driven when; by default that of `phases`.
     """
     head = {"scenario": scenario, "seed": seed}
     if not truth or len(truth["epoch_ns"]) == 0:
         return head | {"window_s": None, "truth": {}, "estimators": {n: {} for n in estimates}}
     span = window if window is not None else window_s(truth)
+    driven = driven if driven is not None else phases(truth)
     return head | {
         "window_s": list(span),
+        "driving_mps": DRIVING_MPS,
+        "phase_rule": None if driven is None else driven.rule,
         "truth": truth_summary(truth, span),
-        "estimators": {n: estimator_scores(truth, t, span) for n, t in estimates.items()},
+        "estimators": {n: estimator_scores(truth, t, span, driven) for n, t in estimates.items()},
     }
 
 
@@ -159,25 +166,62 @@ def truth_summary(truth: Table, window: tuple[float, float]) -> dict[str, float 
     }
 
 
+QUANTITIES = (
+    ("slip", "slip", "slip_sd"),
+    ("sideslip_angle_rad", "sideslip_rad", "sideslip_sd_rad"),
+    ("sideslip_rear_angle_rad", "sideslip_rear_rad", ""),
+    ("speed_mps", "speed_mps", ""),
+)
+"""Key of scores.json, and the estimates' columns of the value and of its standard deviation."""
+AT_REST_TOO = ("speed_mps",)
+
+
 def estimator_scores(
-    truth: Table, estimates: Table, window: tuple[float, float]
+    truth: Table, estimates: Table, window: tuple[float, float], driven: Phases | None = None
 ) -> dict[str, Scores]:
-    """Errors of slip and sideslip angle, and of the sideslip totals, where truth has them."""
+    """Errors of slip, sideslip angles and speed while driving, and of the sideslip totals.
+
+    `phases` has the same by phase, where more is known than whether it drives. `n_slow` counts the
+    samples that are left out because ground and wheels are slower than 0.3 m/s.
+    """
     part = _cut(estimates, window)
+    epoch_ns = part["epoch_ns"]
+    slow = at({**truth, "fastest": speed_mps(truth)}, "fastest", epoch_ns) < DRIVING_MPS
+    code = None if driven is None else driven.at(epoch_ns)
     found: dict[str, Scores] = {}
-    for key, column, sd in (
-        ("slip", "slip", "slip_sd"),
-        ("sideslip_angle_rad", "sideslip_rad", "sideslip_sd_rad"),
-        ("sideslip_rear_angle_rad", "sideslip_rear_rad", ""),
-        ("speed_mps", "speed_mps", ""),
-    ):
-        if column in part and column in truth:
-            error = part[column] - at(truth, column, part["epoch_ns"])
-            found[key] = error_scores(error, part.get(sd))
+    by_phase: dict[str, Scores] = {}
+    for key, column, sd in QUANTITIES:
+        if column not in part or column not in truth:
+            continue
+        error, own_sd = errors(truth, part, column), part.get(sd)
+        kept = np.ones(len(error), bool) if key in AT_REST_TOO else ~slow
+        found[key] = _of(kept, error, own_sd) | {"n_slow": int(np.sum(~kept))}
+        for name, phase in SCORED.items():
+            if code is not None and (chosen := kept & ~slow & (code == phase)).any():
+                by_phase.setdefault(name, {})[key] = _of(chosen, error, own_sd)
     for column in ("sideslip_m", "sideslip_rear_m"):
         if column in part and column in truth:
             found[column] = total_scores(truth, part, column)
-    return found
+    return found | ({"phases": by_phase} if by_phase else {})
+
+
+def _of(chosen: NDArray[np.bool_], error: Array, sd: Array | None) -> Scores:
+    return error_scores(error[chosen], None if sd is None else sd[chosen])
+
+
+def errors(truth: Table, estimates: Table, column: str) -> Array:
+    """Estimate less truth at the estimates' epochs; of an angle in [-pi, pi). Shape (n,).
+
+    Angles are near 180 degrees in reverse, on either side of it.
+    """
+    if not column.endswith("_rad"):
+        return np.asarray(estimates[column] - at(truth, column, estimates["epoch_ns"]))
+    known = np.isfinite(truth[column])
+    turned = np.full(len(known), np.nan)
+    turned[known] = np.unwrap(truth[column][known])
+    error = estimates[column] - at({**truth, column: turned}, column, estimates["epoch_ns"])
+    beyond = np.abs(error) > np.pi  # what is not beyond keeps its bits
+    return np.where(beyond, np.mod(error + np.pi, 2.0 * np.pi) - np.pi, error)
 
 
 def at(table: Table, column: str, epoch_ns: NDArray[np.int64]) -> Array:

@@ -74,3 +74,40 @@ def _recurrence(x: float, phi: list[float], drive: list[float]) -> list[float]:
         x = p * x + w
         out.append(x)
     return out
+
+
+@dataclass(frozen=True, kw_only=True)
+class Smooth:
+    """A Gauss-Markov process behind a low-pass of the same time: it wanders without corners."""
+
+    raw: GaussMarkov
+    last: Array
+    """Present value of the low-pass, shape (m,)."""
+
+
+def smooth(rng: Generator, sd: ArrayLike, scale: float) -> Smooth:
+    """A process that starts in its stationary distribution."""
+    raw = gauss_markov(rng, sd, scale)
+    own = raw.sd * rng.standard_normal(len(raw.sd))
+    return Smooth(raw=raw, last=0.5 * (raw.last + own))
+
+
+def advance_smooth(process: Smooth, step: Array) -> tuple[Smooth, Array]:
+    """The process after each of equal steps.
+
+        y_k = phi y_{k-1} + (1 - phi) u_k,   phi = exp(-step / scale),   u: `advance`
+        x_k = y_k (1 + phi) / sqrt(1 + phi^2)
+
+    x has the standard deviation of u, and for steps far below the scale T the correlation
+    (1 + t/T) exp(-t/T): in a short time it changes in proportion to t, where u does by sqrt(t).
+
+    Returns:
+        The process at the last sample, and its values, shape (n, m).
+    """
+    raw, values = advance(process.raw, step)
+    phi = np.exp(-step / process.raw.scale)
+    drive = (1.0 - phi)[:, None] * values
+    for j, last in enumerate(process.last.tolist()):
+        values[:, j] = _recurrence(last, phi.tolist(), drive[:, j].tolist())
+    last = values[-1].copy() if len(values) else process.last
+    return Smooth(raw=raw, last=last), ((1.0 + phi) / np.sqrt(1.0 + phi * phi))[:, None] * values

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.machine.build import Machine
-from twin.scenario import Course, Scenario
+from twin.scenario import Course, Driver, Scenario
 from twin.simulation.build import build
+from twin.simulation.levers import SetLevers
 from twin.simulation.simulate import simulate
 from twin.streams import Streams
 from twin.trajectory.trajectory import Trajectory
@@ -38,6 +39,8 @@ def legs(scenario: Scenario) -> tuple[Scenario, ...]:
             plough=None,
             implement=None,
             implement_numbers=None,
+            driver=Driver(),
+            events=(),
             course=Course(approach_m=0.0, length_m=course.calibration_m, heading_deg=heading_deg),
         )
         for heading_deg in (0.0, 180.0)
@@ -171,8 +174,10 @@ def _shifted(
     return Trajectory(chunk.epoch_ns + by_ns, columns, end)
 
 
-def run_chunks(machine: Machine) -> tuple[Recording, Iterator[Trajectory]]:
-    """Drive the calibration before a run.
+def run_chunks(
+    machine: Machine, set_levers: SetLevers | None = None
+) -> tuple[Recording, Iterator[Trajectory]]:
+    """Drive the calibration before a run, in which a controller may set the levers.
 
     Returns:
         The calibration, and an iterator over the run's chunks, shifted in time to start after it.
@@ -181,7 +186,7 @@ def run_chunks(machine: Machine) -> tuple[Recording, Iterator[Trajectory]]:
     Raises:
         Diverged: a state is not finite, or MuJoCo warned.
     """
-    chunks = simulate(machine)
+    chunks = simulate(machine, set_levers=set_levers)
     if not legs(machine.scenario):
         return Recording(), chunks
     first = next(chunks)

@@ -66,6 +66,8 @@ CLOSING = (
 """What closes the power balance: generalised speeds and forces."""
 RECORDED = ("sensordata", "userdata", *CLOSING)
 """What a run records of every step."""
+DECIDED = ("phase", "gear_ratio", "power_mass_w")
+"""What a driver of a course adds to it."""
 
 
 class Recorder:
@@ -117,11 +119,14 @@ class Recorder:
         columns = self._columns(sensordata, slots)
         if "qvel" in records[0]:
             columns |= self._closing(
-                {k: np.concatenate([r[k][0] for r in records]) for k in CLOSING}
+                {k: np.concatenate([r[k][0] for r in records]) for k in CLOSING}, records
             )
+        for name in DECIDED:
+            if name in records[0]:
+                columns[name] = np.concatenate([r[name][0] for r in records])
         return Trajectory(epoch_ns, columns, end)
 
-    def _closing(self, record: dict[str, Array]) -> dict[str, Array]:
+    def _closing(self, record: dict[str, Array], records: Sequence[Record]) -> dict[str, Array]:
         """What the power balance needs beside the laws' own terms.
 
             contact = -F_c . (v + v') / 2        step = (F_g - F) . (v' - v) / 2
@@ -134,6 +139,9 @@ class Recorder:
         after = record["qvel"]
         first = after[:1] if self.velocity is None else self.velocity
         before = np.concatenate([first, after[:-1]])
+        if "entry" in records[0]:  # where a gear went in, the shaft's speed has jumped
+            starts = np.cumsum([0, *(len(r["userdata"][0]) for r in records[:-1])])
+            before[starts] = np.concatenate([r["entry"][0] for r in records])
         self.velocity = after[-1:].copy()
         change = after - before
         stored = record["qfrc_spring"] - record["qfrc_bias"]

@@ -74,7 +74,7 @@ def decide(
 
     Args:
         tasks: a DriverTask of each (nsim,).
-        drivetrain: a Drivetrain, the same for all (1,).
+        drivetrain: a Drivetrain of each (nsim,).
         seen: an Observation of each (nsim,).
         engine_radps: engine speeds (nsim,).
         drivers: read and written, a DriverState of each (nsim,).
@@ -82,9 +82,8 @@ def decide(
         controls: written, the values of CONTROLS (nsim, 8).
         dt_s: the interval.
     """
-    known = drivetrain[0]
     for i in range(len(tasks)):
-        task, driver, pedal = tasks[i], drivers[i], pedals[i]
+        known, task, driver, pedal = drivetrain[i], tasks[i], drivers[i], pedals[i]
         new = drive(task, driver, seen[i], dt_s)
         driver.steer_rad, driver.bias_rad = new.steer_rad, new.bias_rad
         driver.lift_rad, driver.trim_rad = new.lift_rad, new.trim_rad
@@ -96,7 +95,7 @@ def decide(
         pedal.held_mps2, pedal.pedal = foot.held_mps2, foot.pedal
         left, right = ackermann(new.steer_rad, task.wheelbase_m, task.track_m)
         controls[i, 0], controls[i, 1] = task.throttle, task.clutch_pedal
-        controls[i, 2] = foot.pedal if task.brakes else 0.0
+        controls[i, 2] = max(foot.pedal if task.brakes else 0.0, task.brake_pedal)
         controls[i, 3], controls[i, 4], controls[i, 5] = left, right, new.lift_rad
         controls[i, 6] = 1.0 if task.differential_lock and new.working else 0.0
         controls[i, 7] = 1.0 if task.front_drive else 0.0

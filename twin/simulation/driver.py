@@ -74,6 +74,9 @@ class Observation(NamedTuple):
     """On a headland, the plough raised."""
     curvature_pm: float = 0.0
     """Of the way ahead, positive to the left [1/m]."""
+    backing: bool = False
+    """The way is driven backwards; then the three errors and the curvature are those of who looks
+    along it."""
 
 
 class DriverTask(NamedTuple):
@@ -114,6 +117,10 @@ class DriverTask(NamedTuple):
     clutch_pedal: float = 0.0
     brakes: bool = True
     """False leaves the brake pedal alone."""
+    brake_pedal: float = 0.0
+    """At least so far down."""
+    lifted: bool = False
+    """Keeps the implement up where it would be at work."""
 
 
 class DriverState(NamedTuple):
@@ -142,7 +149,7 @@ def full_depth_m(depth_m: float, hitch: str) -> float:
 def drive(task: DriverTask, last: DriverState, seen: Observation, dt_s: float) -> DriverState:
     """The controls for the next interval."""
     bias = last.bias_rad
-    if not seen.turning:
+    if not (seen.turning or seen.backing):
         change = task.steer_gain_rad_per_ms * seen.left_m * dt_s
         bias = within(-MOST_BIAS_RAD, bias - change, MOST_BIAS_RAD)
     steer_rad = 0.0
@@ -153,7 +160,13 @@ def drive(task: DriverTask, last: DriverState, seen: Observation, dt_s: float) -
     working = True
     if task.hitch == HitchControl.SET:
         lift = lifted(task, lift, task.work_rad, dt_s)
-    elif task.hitch == HitchControl.RAISED or seen.along_m < task.approach_m or seen.turning:
+    elif (
+        task.hitch == HitchControl.RAISED
+        or seen.along_m < task.approach_m
+        or seen.turning
+        or task.lifted
+    ):
+        full = math.inf if task.lifted else full
         lift = lifted(task, lift, task.raised_rad, dt_s)
         working = task.hitch == HitchControl.RAISED
     else:
@@ -233,6 +246,8 @@ def steer(
         - (2.0 * task.wheelbase_m / LOOKAHEAD_M**2) * seen.left_m
         - (2.0 * task.wheelbase_m / LOOKAHEAD_M) * seen.heading_rad
     )
+    if seen.backing:  # seen along the way, the machine drives its rear axle first
+        wanted = bias_rad - (wanted - bias_rad)
     wanted = within(-MOST_STEER_RAD, wanted, MOST_STEER_RAD)
     return towards(now_rad, wanted, STEER_RATE_RADPS * dt_s)
 

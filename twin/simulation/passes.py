@@ -12,7 +12,7 @@ from twin.machine.build import Machine
 from twin.physics import block
 from twin.physics.block import Field
 from twin.scenario import Scenario
-from twin.scenario.route import CLEAR_M, Leg, land_side, on_leg, turn, width_m
+from twin.scenario.route import CLEAR_M, Leg, backed_turn, land_side, on_leg, turn, width_m
 from twin.simulation.build import build
 
 LEAD_M = 2.5
@@ -60,6 +60,7 @@ class Passes:
     def curvature_pm(self, along_m: float) -> float:
         """Of the way a little ahead."""
         soon = self.turning and along_m + LEAD_M > self.legs[0].length_m
+        soon = soon and self.legs[1].back == self.legs[0].back  # else the machine stops first
         return self.legs[1 if soon else 0].curvature_pm
 
     def end(self, along_m: float) -> bool:
@@ -67,14 +68,22 @@ class Passes:
         if self.count == self.machine.scenario.course.passes:
             return True
         line, way = self.legs[0], self._way()
-        front_m = along_m + float(self.machine.model.body("front_axle").pos[0])
-        self.block[block.FIELD + Field.FURROW_END_M] = front_m + ENDS_AHEAD_M
+        self.end_furrow(along_m)
         start = replace(line, s_m=line.s_m + way * along_m)
         aside_m = self.side * self.count * self.width_m
-        self.legs = deque(turn(start, self.width_m, round(way) * self.side))
+        course, side = self.machine.scenario.course, round(way) * self.side
+        if course.headland == "backing":
+            self.legs = deque(backed_turn(start, self.width_m, side, course.backings))
+        else:
+            self.legs = deque(turn(start, self.width_m, side))
         self.count += 1
         self.legs.append(Leg(start.s_m + way * CLEAR_M, aside_m, 0.0 if way < 0.0 else math.pi))
         return False
+
+    def end_furrow(self, along_m: float) -> None:
+        """The furrow ends a little before the front axle."""
+        front_m = along_m + float(self.machine.model.body("front_axle").pos[0])
+        self.block[block.FIELD + Field.FURROW_END_M] = front_m + ENDS_AHEAD_M
 
     def _way(self) -> float:
         return 1.0 if self.count % 2 else -1.0
@@ -82,7 +91,9 @@ class Passes:
     def _begin(self) -> None:
         """The last furrow lies along the new line, the plough is turned over."""
         line, model = self.legs[0], self.models[(self.count - 1) % 2]
-        self.block[:] = model.numeric_data[-block.SIZE :]
+        other = model.numeric_data[-block.SIZE :]
+        for part in (slice(block.ENGINE), slice(block.PLOUGH, None)):  # the gear stays in
+            self.block[part] = other[part]
         for slot, value in (
             (Field.PASS_S_M, line.s_m), (Field.PASS_T_M, line.t_m), (Field.PASS_WAY, self._way()),
         ):  # fmt: skip

@@ -72,7 +72,7 @@ class Simulation:
         self.tasks = records(task or course_task(machine), nsim)
         self.seen, self.drivers = records(Observation(), nsim), records(DriverState(), nsim)
         self.drivers["lift_rad"] = self.tasks["raised_rad"]
-        self.drivetrain = records(drivetrain(machine), 1)
+        self.drivetrain = records(drivetrain(machine), nsim)
         self.pedals = records(BrakePedal(), nsim)
         self.controls = np.zeros((nsim, len(CONTROLS)))
         actuators = {model.actuator(k).name: k for k in range(model.nu)}
@@ -100,7 +100,7 @@ class Simulation:
     @property
     def engine_radps(self) -> Array:
         """Engine speeds now. Shape (nsim,)."""
-        return np.asarray(self.machine.scenario.gear.ratio * self.qvel[:, self.engine])
+        return np.asarray(self.drivetrain["gear_ratio"] * self.qvel[:, self.engine])
 
     def driven_axle(self) -> DrivenAxle:
         """Means over the driven wheels, as the callback last reported them. Shapes (nsim,)."""

@@ -11,11 +11,14 @@ from twin.terrain.grid import GridMap
 
 Array = NDArray[np.float64]
 
+Axis = Literal["along", "across"]
+"""Which way a wheel rolls over the ground."""
+AXES: tuple[Axis, ...] = ("along", "across")
 REACH = 0.75
 """How far the arc reaches to each side, over the radius: it meets a slope of 1 at 0.71."""
 
 
-def envelope(heights: GridMap, radius_m: float, axis: Literal["along", "across"]) -> Array:
+def envelope(heights: GridMap, radius_m: float, axis: Axis) -> Array:
     """Heights under a hub, of a wheel that rolls along or across the ground.
 
         g(x) = max over |y| <= 0.75 R of h(x + y) - (R - sqrt(R**2 - y**2))

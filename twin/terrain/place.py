@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.physics.block import Grid
-from twin.terrain.envelope import envelope
+from twin.terrain.envelope import AXES, envelope
 from twin.terrain.grid import GridMap
 
 Array = NDArray[np.float64]
@@ -19,22 +19,38 @@ LEAST_RANGE = 1e-9
 
 
 def add_map(spec: mujoco.MjSpec, name: str, grid: GridMap) -> None:
-    """Add a map to a model's specification as a height field; whoever wants to see it adds a geom.
+    """Add a map's place to a model's specification; whoever wants to see it adds a geom.
 
     Args:
         spec: mujoco.MjSpec.
-        name: of the height field.
+        name: of the height field, flat until `fill`.
         grid: the map.
     """
     rows, columns = grid.nodes.shape
-    low, span = _range(grid)
-    spec.add_hfield(
-        name=name,
-        nrow=rows,
-        ncol=columns,
-        size=[0.5 * (columns - 1) * grid.cell_m, 0.5 * (rows - 1) * grid.cell_m, span, 0.1],
-        userdata=((grid.nodes - low) / span).ravel(),
-    )
+    half_m = [0.5 * (columns - 1) * grid.cell_m, 0.5 * (rows - 1) * grid.cell_m]
+    _add_flat(spec, name, rows, columns, [*half_m, _range(grid)[1], 0.1])
+
+
+def _add_flat(spec: mujoco.MjSpec, name: str, rows: int, columns: int, size: list[float]) -> None:
+    """A height field of zeros, as a file in MuJoCo's own format: read at once, not node by node."""
+    file = f"{name}.hfield"
+    shape = np.array([rows, columns], np.int32).tobytes()
+    spec.assets = {**spec.assets, file: shape + bytes(4 * rows * columns)}
+    spec.add_hfield(name=name, file=file, size=size)
+
+
+def fill(model: mujoco.MjModel, maps: dict[str, GridMap], radii_m: tuple[float, ...]) -> None:
+    """Write maps, and the envelopes of their heights, into a compiled model."""
+    for name, grid in maps.items():
+        _fill(model, name, grid.nodes, grid)
+    if "heights" in maps:
+        _fill(model, ENVELOPES, _envelopes(maps["heights"], radii_m), maps["heights"])
+
+
+def _fill(model: mujoco.MjModel, name: str, nodes: Array, scale: GridMap) -> None:
+    low, span = _range(scale)
+    first = int(model.hfield_adr[model.hfield(name).id])
+    model.hfield_data[first : first + nodes.size] = ((nodes - low) / span).ravel()
 
 
 def grid_part(model: mujoco.MjModel, name: str, grid: GridMap, at: int) -> dict[int, float]:
@@ -56,21 +72,18 @@ def grid_part(model: mujoco.MjModel, name: str, grid: GridMap, at: int) -> dict[
 
 
 def add_envelopes(spec: mujoco.MjSpec, heights: GridMap, radii_m: tuple[float, ...]) -> None:
-    """Add the heights as wheels feel them, one below another: along and across for each radius.
+    """Add the place of the heights as wheels feel them; `fill` writes them."""
+    rows, columns = heights.nodes.shape
+    rows *= len(radii_m) * len(AXES)
+    _add_flat(spec, ENVELOPES, rows, columns, [1.0, 1.0, _range(heights)[1], 0.1])
+
+
+def _envelopes(heights: GridMap, radii_m: tuple[float, ...]) -> Array:
+    """The heights as wheels feel them, one below another: along and across for each radius.
 
     Scaled as the heights themselves, whose range they keep to.
     """
-    low, span = _range(heights)
-    felt = [envelope(heights, r, axis) for r in radii_m for axis in ("along", "across")]
-    nodes = np.concatenate(felt)
-    rows, columns = nodes.shape
-    spec.add_hfield(
-        name=ENVELOPES,
-        nrow=rows,
-        ncol=columns,
-        size=[1.0, 1.0, span, 0.1],
-        userdata=((nodes - low) / span).ravel(),
-    )
+    return np.concatenate([envelope(heights, r, axis) for r in radii_m for axis in AXES])
 
 
 def first_envelope(model: mujoco.MjModel) -> int:

@@ -9,7 +9,7 @@ import copy
 import dataclasses
 import itertools
 import pickle
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from functools import cache
 
 import numpy as np
@@ -23,6 +23,8 @@ SETUP = drives.setup()
 DRIVE = Drive(duration_s=6.0, gnss_delay_s=0.07, pitch=lambda t: 0.01 * np.sin(9 * t))
 STEADY = Drive(duration_s=8.0, speed=lambda t: 1.6 + 0.0 * t, slip=lambda t: 0.12 + 0.0 * t)
 """What every model can explain: constant speed and slip, without pitch or delay."""
+
+
 SENSORS = ("gnss", "imu", "wheels")
 SETTLED_S = 2.0
 """Time after which an estimate has to be right [s]."""
@@ -230,38 +232,6 @@ def check_honest(estimator: Estimator) -> None:
     share = float(np.concatenate(inside).mean())
     found = f"{share:.0%} of its errors are within two of its sd, 95 % is due"
     assert share > LEAST_COVERAGE, found
-
-
-CHECKS: tuple[Callable[[Estimator], None], ...] = (
-    check_columns, check_chunks, check_causal, check_deterministic, check_states,
-    check_input_unchanged, check_absent_sensors, check_absent_columns, check_nan, check_gap,
-    check_time_backwards, check_honest,
-)  # fmt: skip
-
-
-def check_estimator(
-    estimator: Estimator, *, checks: Sequence[Callable[[Estimator], None]] = CHECKS
-) -> None:
-    """Run the checks, and raise one AssertionError that lists all that failed; see `CHECKS`.
-
-    An estimator whose attribute `offline` is True sees the whole log: it need not be causal.
-
-    Args:
-        estimator: with `init(setup) -> state` and `run(state, chunk) -> (state, table)`.
-        checks: those to run.
-
-    Example:
-        >>> from estimators.ratio import RATIO
-        >>> check_estimator(RATIO)
-    """
-    failed = []
-    for check in checks:
-        try:
-            check(estimator)
-        except AssertionError as error:
-            failed.append(f"{check.__name__}: {error}")
-    if failed:
-        raise AssertionError("\n".join(failed))
 
 
 def offline(estimator: Estimator) -> bool:

@@ -151,6 +151,15 @@ def _wheels(drive: Drive, noise: Noise) -> Table:
 
 
 def wheel_speed(drive: Drive, wheel: str, t: Array) -> Array:
-    """Rim speed w R of a wheel: v / (1 - s) of the driven ones [m/s]."""
-    slip = drive.slip(t) if wheel in ("rl", "rr") else 0.0
-    return drive.speed(t) / (1 - slip)
+    """Rim speed w R of a wheel: `rim_speed` of the driven ones, that of the ground of the rest."""
+    return rim_speed(drive.speed(t), drive.slip(t)) if wheel in ("rl", "rr") else drive.speed(t)
+
+
+def rim_speed(speed: Array, slip: Array) -> Array:
+    """The speed w R that has a slip s = (w R - v) / max(|w R|, |v|) over ground speed v [m/s].
+
+    w R = v / (1 - |s|)   where the wheel drives: s and v have one sign
+    w R = v (1 - |s|)     where it brakes
+    """
+    kept = 1.0 - np.abs(slip)
+    return np.where(slip * speed >= 0.0, speed / kept, speed * kept)

@@ -46,7 +46,15 @@ def sample(trajectory: Trajectory, driven: Sequence[str]) -> Table:
         table[f"sideslip{suffix}_rad"] = np.where(moving, np.arctan2(v_y, v_x), np.nan)
     table["yaw_rate_radps"] = np.sum(normal * rotated(attitude, column["gyro_b"]), axis=1)
     table["speed_mps"] = table["v_x_rear_mps"]
+    table |= _decided(column)
     return table | _wheels(column, driven) | _joints(column) | _powers(trajectory, kept)
+
+
+def _decided(column: dict[str, Array]) -> Table:
+    """What the driver of a course does; nothing of an environment, whose actions say it."""
+    if "phase" not in column:
+        return {}
+    return {"phase": column["phase"].astype(np.int64), "gear_ratio": column["gear_ratio"]}
 
 
 def _wheels(column: dict[str, Array], driven: Sequence[str]) -> Table:

@@ -68,6 +68,7 @@ TASKS: tuple[tuple[str, Callable[[], list[Check]]], ...] = (
     ("numerical", terrain.tilted_map),
     ("sensors", instruments.inertial),
     ("sensors", instruments.receiver),
+    ("sensors", instruments.stopped),
 )
 
 

@@ -20,6 +20,7 @@ MOST_POINTS = 10
 """Points of a full-load curve, at most: what the parameter block has room for."""
 KINDS = ("diesel", "electric")
 DRIVEN = ("rear", "all")
+TRANSMISSIONS = ("powershift", "synchronised", "cvt", "electric")
 Point = tuple[float, float]
 Place = tuple[float, float, float]
 
@@ -124,6 +125,9 @@ class Engine:
 class Transmission:
     """From the crank to the rear axle."""
 
+    kind: str | None = None
+    """powershift, synchronised, cvt or electric: how its ratio changes; None for electric with a
+    motor, cvt with a cvt_ratio, synchronised with gears, and else powershift."""
     ratios: tuple[float, ...] = ()
     """Engine turns per turn of the rear axle, of each gear."""
     speeds_kmh: tuple[float, ...] = ()
@@ -133,6 +137,16 @@ class Transmission:
     usual_ratio: Annotated[float | None, Range(3, 1000)] = None
     """The gear that is driven where a scenario says none."""
     efficiency: Annotated[float | None, Range(0.4, 1)] = None
+
+    def __post_init__(self) -> None:
+        if self.kind is not None and self.kind not in TRANSMISSIONS:
+            raise UnknownName("transmission.kind", self.kind, TRANSMISSIONS)
+        if self.kind == "cvt" and (self.ratios or self.speeds_kmh):
+            raise BadInput(
+                "transmission.kind = cvt has no gears; cvt_ratio = [least, greatest] would do"
+            )
+        if self.kind != "cvt" and self.kind is not None and self.cvt_ratio is not None:
+            raise BadInput(f"transmission.kind = {self.kind} has no cvt_ratio; kind = cvt would do")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -70,6 +70,8 @@ class Facts:
     ratio_range: tuple[float, float] | None
     usual_ratio: float
     usual_rpm: float
+    transmission: str
+    """One of `twin.vehicle.machine.TRANSMISSIONS`."""
 
     @property
     def diesel(self) -> bool:
@@ -116,8 +118,20 @@ def _facts(machine: Machine, path: Path | None, stamp: int) -> Facts:
     return Facts(
         name=machine.name, numbers=numbers, linkage=linkage, lock=machine.drive.differential_lock,
         ratios=ratios(machine, rated_rpm, rim_m), ratio_range=gears.cvt_ratio,
-        usual_ratio=usual_ratio, usual_rpm=usual_rpm,
+        usual_ratio=usual_ratio, usual_rpm=usual_rpm, transmission=transmission_kind(machine),
     )  # fmt: skip
+
+
+def transmission_kind(machine: Machine) -> str:
+    """How the ratio changes: what the file says, or assumed of what else it says."""
+    gears = machine.transmission
+    if gears.kind is not None:
+        return gears.kind
+    if machine.engine.kind == "electric":
+        return "electric"
+    if gears.cvt_ratio is not None:
+        return "cvt"
+    return "synchronised" if gears.ratios or gears.speeds_kmh else "powershift"
 
 
 def own_numerics(machine: Machine) -> dict[str, float]:

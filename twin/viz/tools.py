@@ -16,6 +16,9 @@ Array = NDArray[Any]
 
 LARGE_M = 2.55
 """Wheelbase of the tractor that lines, cells and distances are meant for [m]."""
+LONGEST_S = 3600.0
+"""Of a longer drive the rates are lowered, so that a recording stays as large as one of an hour
+[s]."""
 STEP_S = 0.002
 """`step` counts physics steps [s]."""
 
@@ -35,10 +38,11 @@ def set_time(recording: rr.RecordingStream, epoch_ns: int) -> None:
 
 
 def every(table: Table, rate_hz: float) -> Table:
-    """At most `rate_hz` rows a second, the last one included."""
+    """At most `rate_hz` rows a second, in all no more than in an hour; the last one included."""
     epoch_ns = table["epoch_ns"]
     n = len(epoch_ns)
     span_s = float(epoch_ns[-1] - epoch_ns[0]) * 1e-9 if n > 1 else 0.0
+    rate_hz *= min(1.0, LONGEST_S / span_s) if span_s > 0.0 else 1.0
     stride = max(1, round((n - 1) / (span_s * rate_hz))) if span_s > 0.0 else 1
     rows = np.arange(0, n, stride)
     rows = rows if n == 0 or rows[-1] == n - 1 else np.append(rows, n - 1)

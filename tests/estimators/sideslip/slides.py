@@ -1,8 +1,7 @@
-"""Streams of a drive straight on over level ground, a pause, and a slide across a slope."""
+"""Streams of a drive there and back over level ground, and of a slide across a slope."""
 
 import numpy as np
 
-from estimators.sideslip_ekf import plane
 from twin.streams import CameraSetup, GnssSetup, ImuSetup, Setup, Streams, WheelsSetup
 
 SETUP = Setup(
@@ -39,12 +38,19 @@ SETUP = Setup(
         height_m=0.5,
     ),
 )
-LEVEL_S, PAUSE_S, SLIDE_S = 20.0, 6.0, 8.0
+LEG_S, PAUSE_S, SLIDE_S = 12.0, 6.0, 8.0
+"""Straight on over level ground, there and back with a pause after each, then the slide."""
 SPEED_MPS = 1.0
 
 
+def across(slope_rad):
+    """World from a plane that rises to the north."""
+    cos, sin = np.cos(slope_rad), np.sin(slope_rad)
+    return np.array([[1, 0, 0], [0, cos, -sin], [0, sin, cos]])
+
+
 def slides(seed=0, slope_deg=9.0, slide_mps=-0.03, turn_radps=-0.02, masked=False, blind=False):
-    """The streams, and the slides of centre of gravity and rear axle since the pause.
+    """The streams, and the slides of centre of gravity and rear axle since the last pause.
 
     Heading bias, camera yaw and gyro bias are the seed's; `blind` has no camera frame used.
     """
@@ -52,33 +58,40 @@ def slides(seed=0, slope_deg=9.0, slide_mps=-0.03, turn_radps=-0.02, masked=Fals
     heading_bias, camera_yaw = np.radians([0.2, 1.0]) * rng.standard_normal(2)
     gyro_bias, scale = 1e-3 * rng.standard_normal(), 1.0 + 0.002 * rng.standard_normal()
     accel_bias = 0.1 * rng.standard_normal(2)
-    begin, end = LEVEL_S + PAUSE_S, LEVEL_S + PAUSE_S + SLIDE_S
+    back = LEG_S + PAUSE_S
+    begin = back + LEG_S + PAUSE_S
+    end = begin + SLIDE_S
 
     def times(hz):
         t = np.arange(1, int(end * hz) + 1) / hz
-        return t[(t <= LEVEL_S) | (t >= begin)]
+        return t[(t <= LEG_S) | ((t >= back) & (t <= back + LEG_S)) | (t >= begin)]
 
     def state(t):
         on = t >= begin
-        late = np.where(on, t - begin, 0.0)
-        return on, np.where(on, slide_mps, 0.0), np.where(on, turn_radps, 0.0), late * turn_radps
+        heading = np.where(on, (t - begin) * turn_radps, np.where(t >= back, np.pi, 0.0))
+        return on, np.where(on, slide_mps, 0.0), np.where(on, turn_radps, 0.0), heading
 
     def stamps(t, late_s):
         epoch = np.round(t * 1e9).astype(np.int64)
         return {"epoch_ns": epoch, "arrival_ns": epoch + round(late_s * 1e9)}
 
-    up = np.array([0.0, np.sin(np.radians(slope_deg)), np.cos(np.radians(slope_deg))])
-    turned = {False: np.eye(3), True: plane.world_from_plane(up)}
+    turned = {False: np.eye(3), True: across(np.radians(slope_deg))}
 
     t = times(50)
     on, v_y, rate, heading = state(t)
-    tilt = np.where(on, 9.81 * up[1], 0.0)
+    tilt = np.where(on, 9.81 * turned[True][2, 1], 0.0)
     noise = 4e-3 * np.sqrt(50) * rng.standard_normal((2, len(t)))
+    white = 1e-4 * np.sqrt(50) * rng.standard_normal((3, len(t)))
+    arm = SETUP.imu.lever_arm_m[0]
     imu = stamps(t, 0.02) | {
-        "gyro_x_radps": 0.0 * t,
-        "gyro_y_radps": 0.0 * t,
-        "gyro_z_radps": rate + gyro_bias + 1e-4 * np.sqrt(50) * rng.standard_normal(len(t)),
-        "accel_x_mps2": np.sin(heading) * tilt - rate * v_y + accel_bias[0] + noise[0],
+        "gyro_x_radps": white[0],
+        "gyro_y_radps": white[1],
+        "gyro_z_radps": rate + gyro_bias + white[2],
+        "accel_x_mps2": np.sin(heading) * tilt
+        - rate * v_y
+        - rate**2 * arm
+        + accel_bias[0]
+        + noise[0],
         "accel_y_mps2": np.cos(heading) * tilt + rate * SPEED_MPS + accel_bias[1] + noise[1],
     }
     ticks = np.floor(SPEED_MPS * t / (2 * np.pi * 0.2) * 4000).astype(np.int64)
@@ -91,9 +104,10 @@ def slides(seed=0, slope_deg=9.0, slide_mps=-0.03, turn_radps=-0.02, masked=Fals
     cos, sin = np.cos(heading), np.sin(heading)
     flat = np.stack([cos * body[0] - sin * body[1], sin * body[0] + cos * body[1], 0 * t], axis=1)
     world = np.array([turned[bool(o)] @ v for o, v in zip(on, flat, strict=True)])
-    azimuth = [
-        plane.azimuth(turned[bool(o)], h - np.pi / 2)[0] for o, h in zip(on, heading, strict=True)
-    ]
+    baseline = np.array(
+        [turned[bool(o)] @ (np.sin(h), -np.cos(h), 0.0) for o, h in zip(on, heading, strict=True)]
+    )
+    azimuth = np.arctan2(baseline[:, 1], baseline[:, 0])
     world += 0.03 * rng.standard_normal(world.shape)
     hidden = on & masked
     gnss = stamps(t, 0.05) | {

@@ -1,0 +1,110 @@
+"""Slides across a slope whose amount is known, with and without camera and GNSS."""
+
+import numpy as np
+import pytest
+from slides import SETUP, slides
+
+from estimators.sideslip_ekf import SideslipEkf
+from twin.streams import Streams
+from twin.testing import check_estimator
+
+
+def estimated(without=(), **how):
+    """Slides told since the pause, the true ones, and the table."""
+    streams, cg_m, rear_m, begin_s = slides(**how)
+    own = SideslipEkf()
+    seen = {n: t for n, t in streams.tables.items() if n not in without}
+    _, table = own.run(own.init(SETUP), Streams(seen))
+    late = table["epoch_ns"] >= begin_s * 1e9
+    told = [table[c][late][-1] - table[c][late][0] for c in ("sideslip_m", "sideslip_rear_m")]
+    return told, (cg_m, rear_m), table["sideslip_sd_m"][-1], table
+
+
+def test_what_holds_for_every_estimator():
+    check_estimator(SideslipEkf())
+
+
+@pytest.mark.parametrize("masked", [False, True])
+def test_the_slide_is_told_to_a_per_cent_open_or_masked(masked):
+    errors, ratios = [], []
+    for seed in range(3):
+        told, true, sd, _ = estimated(seed=seed, masked=masked)
+        errors.append(np.subtract(told, true) / true)
+        ratios.append((told[0] - true[0]) / sd)
+    assert np.abs(errors).max() < 0.015
+    assert np.mean(np.square(ratios)) < 3.8  # chi-square, three degrees of freedom, 99 %
+
+
+def test_its_angle_is_that_of_the_centre_of_gravity():
+    *_, table = estimated(masked=True)
+    assert table["sideslip_rad"][-1] == pytest.approx(np.arctan2(-0.037, 1.0), abs=2e-3)
+    assert table["sideslip_rear_rad"][-1] == pytest.approx(np.arctan2(-0.03, 1.0), abs=2e-3)
+    assert table["v_y_mps"][-1] == pytest.approx(-0.037, abs=2e-3)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_without_a_usable_frame_it_goes_on_and_says_how_badly(seed):
+    told, true, sd, _ = estimated(seed=seed, blind=True)
+    assert abs(told[0] - true[0]) < 3 * sd
+    assert 0.003 < sd < 0.1
+
+
+def test_without_a_heading_course_gyro_and_the_law_of_sliding_tell_it():
+    streams, _, _, begin_s = slides(blind=True)
+    gnss = {n: c for n, c in streams["gnss"].items() if n != "heading_rad"}
+    own = SideslipEkf()
+    _, table = own.run(own.init(SETUP), Streams({**streams.tables, "gnss": gnss}))
+    late = table["epoch_ns"] >= begin_s * 1e9
+    angle, sd = table["sideslip_rear_rad"][late][-1], table["sideslip_sd_rad"][late][-1]
+    assert abs(angle - np.arctan2(-0.03, 1.0)) < 3 * sd
+    assert sd < 0.03
+
+
+def test_with_neither_camera_nor_gnss_the_slide_is_unknown():
+    streams, *_ = slides(blind=True)
+    own = SideslipEkf()
+    less = {n: t for n, t in streams.tables.items() if n != "gnss"}
+    _, table = own.run(own.init(SETUP), Streams(less))
+    assert np.isnan(table["sideslip_m"]).all()
+    assert np.isnan(table["sideslip_rad"]).all()
+
+
+def test_one_stretch_alone_does_not_tell_askew_antennas_from_a_slope():
+    """On a slope of a degree nothing but its direction against the body tells the two."""
+    streams, *_, begin_s = slides(blind=True)
+    alone = {
+        name: {c: v[t["epoch_ns"] >= begin_s * 1e9] for c, v in t.items()}
+        for name, t in streams.tables.items()
+    }
+    own = SideslipEkf()
+    state, _ = own.run(own.init(SETUP), Streams(alone))
+    both, _ = own.run(own.init(SETUP), streams)
+    sd = [float(np.sqrt(s.memory["p"][0][13, 13])) for s in (state, both)]
+    assert sd[0] > np.radians(0.15)
+    assert sd[1] < np.radians(0.08)
+
+
+def test_frames_that_are_missing_for_a_while_are_got_over():
+    streams, cg_m, _, begin_s = slides()
+    camera = {name: column.copy() for name, column in streams["camera"].items()}
+    hole = (camera["epoch_ns"] > (begin_s + 3) * 1e9) & (camera["epoch_ns"] < (begin_s + 4) * 1e9)
+    camera["used"][hole] = False
+    camera["v_y_mps"][hole] = np.nan
+    own = SideslipEkf()
+    _, table = own.run(own.init(SETUP), Streams({**streams.tables, "camera": camera}))
+    late = table["epoch_ns"] >= begin_s * 1e9
+    told = table["sideslip_m"][late][-1] - table["sideslip_m"][late][0]
+    assert told == pytest.approx(cg_m, rel=0.03)
+
+
+def test_chunks_of_a_camera_stream_change_no_bit():
+    streams, *_ = slides()
+    part = streams.samples(0, 900)
+    own = SideslipEkf()
+    _, whole = own.run(own.init(SETUP), part)
+    state, tables = own.init(SETUP), []
+    for chunk in part.chunks(37):
+        state, table = own.run(state, chunk)
+        tables.append(table)
+    for name, column in whole.items():
+        np.testing.assert_array_equal(np.concatenate([t[name] for t in tables]), column, name)

@@ -1,0 +1,81 @@
+"""The baselines of Plough-v1: throttle, gear, depth and draft mix."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from twin.control.controllers import MOST_RELIEF_M, Array, Controller, Gain, Seen, actions
+
+
+def field_actions(throttle: Gain, gear: Gain, depth_set_m: Array, mix: Gain) -> Array:
+    """Actions of `Plough-v1`, shape (count, 4), clipped to [-1, 1].
+
+    Args:
+        throttle, gear: actions, in [-1, 1]; numbers or arrays (count,).
+        depth_set_m: depth set point, (count,).
+        mix: share of the draft, from 0 to 1.
+    """
+    first, hitch = actions(throttle, depth_set_m).T
+    gears, mixes = (
+        np.broadcast_to(np.clip(value, -1.0, 1.0), hitch.shape)
+        for value in (gear, 2.0 * np.asarray(mix) - 1.0)
+    )
+    return np.stack([first, gears, hitch, mixes], axis=-1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FieldPI:
+    """PI on slip by the hitch; throttle, gear and draft mix as they were tuned.
+
+    depth set = target + trim - relief        relief = kp e + integral of ki e, e = slip - set
+    """
+
+    throttle: Gain
+    gear: Gain
+    mix: Gain
+    slip_set: Gain
+    trim_m: Gain
+    kp_m: Gain
+    ki_mps: Gain
+
+    def init(self, count: int) -> Array:
+        """The integral part of the relief [m], (count,)."""
+        return np.zeros(count)
+
+    def act(self, state: Array, seen: Seen, period_s: float) -> tuple[Array, Array]:
+        """One period."""
+        error = seen["slip"] - self.slip_set
+        integral = np.clip(state + self.ki_mps * error * period_s, 0.0, MOST_RELIEF_M)
+        relief_m = np.clip(self.kp_m * error + integral, 0.0, MOST_RELIEF_M)
+        depth_m = seen["depth_target_m"] + self.trim_m - relief_m
+        return integral, field_actions(self.throttle, self.gear, depth_m, self.mix)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FieldConstant:
+    """Constant throttle, gear, depth and draft mix."""
+
+    throttle: Gain
+    gear: Gain
+    mix: Gain
+    trim_m: Gain
+
+    def init(self, count: int) -> None:
+        """No state."""
+
+    def act(self, state: None, seen: Seen, period_s: float) -> tuple[None, Array]:
+        """Depth set = target + trim."""
+        depth_m = seen["depth_target_m"] + self.trim_m
+        return state, field_actions(self.throttle, self.gear, depth_m, self.mix)
+
+
+FIELD_BASELINES: dict[str, Controller] = {
+    "constant": FieldConstant(throttle=0.4, gear=0.5, mix=0.3, trim_m=-0.03),
+    "pi": FieldPI(
+        throttle=0.381, gear=0.812, mix=0.288, slip_set=0.125, trim_m=-0.031, kp_m=0.835,
+        ki_mps=0.071,
+    ),
+}  # fmt: skip
+"""Gains found by `python -m twin.control.tune Plough-v1`."""
