@@ -12,7 +12,8 @@ import pytest
 import twin
 from twin import cli
 from twin.calibration.drawn import bands, drawn
-from twin.calibration.written import POSTERIOR
+from twin.calibration.files import soil_toml
+from twin.calibration.posterior import beside
 from twin.vehicle.files import models_folder
 
 RADIUS_M, SD = 0.66, 0.01
@@ -22,21 +23,23 @@ RADIUS_M, SD = 0.66, 0.01
 def machine(tmp_path: Path) -> Path:
     text = (models_folder() / "catalogue" / "tym_tx58.toml").read_text()
     (path := tmp_path / "my.calibrated.toml").write_text(text)
-    beside = {
+    known = {
         "names": ["rear.free_rolling_radius_m", "soil.draft_scale", "log.set_rpm"],
         "mean": np.log([RADIUS_M, 0.8, 1700.0]).tolist(),
         "cov": np.diag([SD**2, 0.02**2, 0.01**2]).tolist(),
-        "transform": "log",
-        "soil": {"preset": "tilled", "law": "brixius"},
+        "transform": ["log"] * 3,
     }
-    path.with_name(path.name + POSTERIOR).write_text(json.dumps(beside))
+    beside(path).write_text(json.dumps(known))
     return path
 
 
-@pytest.mark.parametrize(("preset", "varies"), [("tilled", True), ("firm", False)])
-def test_machines_are_drawn_and_the_soil_where_it_is_the_same(
-    machine: Path, preset: str, varies: bool
+@pytest.mark.parametrize("varies", [True, False])
+def test_machines_are_drawn_and_the_soil_where_it_is_the_calibrated_one(
+    machine: Path, varies: bool
 ) -> None:
+    own = machine.with_suffix(".soil.toml")
+    own.write_text(soil_toml(twin.Soil(preset="tilled"), "log"))
+    preset = str(own) if varies else "tilled"
     scenario = twin.load("plough-20cm", {"machine": str(machine), "soil.preset": preset})
     assert isinstance(scenario, twin.Scenario)
     found = list(drawn(scenario, 12, seed=1))
@@ -59,13 +62,13 @@ def test_a_band_holds_the_middle_of_the_figures_that_all_runs_have() -> None:
     [
         (["--posterior", "5"], "has no posterior"),
         (["--posterior", "1"], "2 or more"),
-        (["--posterior", "5", "--machine", "FILE"], "beside it"),
+        (["--posterior", "5", "--machine", "FILE"], "is missing"),
     ],
 )
 def test_what_has_no_posterior_is_refused(
     words: list[str], said: str, machine: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    machine.with_name(machine.name + POSTERIOR).unlink()
+    beside(machine).unlink()
     given = [str(machine) if w == "FILE" else w for w in words]
     assert cli.main(["run", "plough-20cm", *given]) == 2
     err = capsys.readouterr().err

@@ -1,1 +1,4 @@
-"""From a log to a machine and a soil: what it tells of them, and what it cannot tell."""
+"""From a log to the machine and the soil that explain it, with what the log cannot tell said.
+
+log -> segments or steady rows -> forward model -> fit -> posterior -> verdicts, holdout, files
+"""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 from twin.calibration.known import FUEL_L_PER_KWH, GRADE_SHARES, KNOWN
 from twin.errors import BadInput
 from twin.scenario import Soil
 from twin.scenario.fields import replaced
-from twin.scenario.soils import Preset
 from twin.vehicle import Machine
 from twin.vehicle.derive import derive
 from twin.vehicle.machine import Numeric
@@ -42,14 +42,14 @@ def machine_with(machine: Machine, values: Values) -> Machine:
 
 def soil_with(soil: Soil, values: Values) -> Soil:
     """The soil with other values; those of machine and log are passed over."""
-    own = {n.removeprefix("soil."): v for n, v in values.items() if n.startswith("soil.")}
+    own: dict[str, Any] = {
+        n.removeprefix("soil."): v for n, v in values.items() if n.startswith("soil.")
+    }
     fields = {n: v for n, v in own.items() if n in OWN_OF_SOIL}
     rest = {n: v for n, v in own.items() if n not in OWN_OF_SOIL}
     kept = soil.with_numbers()
     assert kept.numbers is not None
-    numbers: Preset = replaced(kept.numbers, rest)
-    changed: Soil = replaced(kept, fields)
-    return replace(changed, numbers=numbers)
+    return replace(kept, **fields, numbers=replace(kept.numbers, **rest))
 
 
 def can_fit(machine: Machine, name: str) -> bool:

@@ -5,44 +5,43 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from twin.calibration.applied import machine_with, soil_with
-from twin.calibration.written import read_posterior
+from twin.calibration.posterior import Posterior, beside, read
 from twin.errors import BadInput
 from twin.scenario import Scenario
 
+SOIL_ENDING = ".soil.toml"
 
-def posterior_of(machine: str) -> dict[str, Any]:
+
+def posterior_of(machine: str) -> Posterior:
     """The posterior beside a machine's file. Raises BadInput where there is none."""
     if not machine.endswith(".toml"):
         raise BadInput(
             f"machine = {machine} has no posterior; the .calibrated.toml that twin calibrate "
             "writes would do"
         )
-    return read_posterior(Path(machine))
+    return read(beside(Path(machine)))
 
 
 def drawn(scenario: Scenario, count: int, seed: int = 0) -> Iterator[Scenario]:
     """The scenario with machines drawn from the posterior beside its machine's file.
 
-    The soil is drawn, too, where its preset and its law are those that were calibrated.
+    The soil is drawn, too, where it is the file that was written with the machine.
     """
     posterior = posterior_of(scenario.machine)
-    own = posterior.get("soil") or {}
-    same = (own.get("preset"), own.get("law")) == (scenario.soil.preset, scenario.soil.law)
-    base, generator = scenario.machine_file, np.random.default_rng(seed)
-    draws = generator.multivariate_normal(posterior["mean"], posterior["cov"], count)
-    for row in np.exp(draws).tolist():
-        values = dict(zip(posterior["names"], row, strict=True))
+    own_soil = str(Path(scenario.machine).with_suffix(SOIL_ENDING))
+    with_soil = Path(scenario.soil.preset) == Path(own_soil)
+    base = scenario.machine_file
+    for values in posterior.draw(count, seed):
         machine = machine_with(base, values)
-        soil = soil_with(scenario.soil, values) if same else scenario.soil
+        soil = soil_with(scenario.soil, values) if with_soil else scenario.soil
         yield replace(scenario, machine=machine.name, machine_numbers=machine, soil=soil)
 
 
-def bands(truths: list[Mapping[str, Any]]) -> dict[str, tuple[float, float, float]]:
+def bands(truths: list[Mapping[str, float | None]]) -> dict[str, tuple[float, float, float]]:
     """Median, 2.5 and 97.5 % of every figure that all runs have."""
     names = [n for n in truths[0] if all(isinstance(t.get(n), float) for t in truths)]
     ends = {n: np.quantile([t[n] for t in truths], (0.5, 0.025, 0.975)) for n in names}

@@ -54,14 +54,25 @@ class Prior:
 class Model(Protocol):
     """What foretells the measurements of the rows that are fitted."""
 
-    measured: Array
-    """Shape (n, c)."""
-    time_s: Array
-    """Shape (n,)."""
-    covariance: Array | None
-    """Of each row's noise, (n, c, c); None where it has to be estimated."""
-    floor: Array
-    """Least sd of each channel, (c,)."""
+    @property
+    def measured(self) -> Array:
+        """Shape (n, c)."""
+        ...
+
+    @property
+    def time_s(self) -> Array:
+        """Shape (n,)."""
+        ...
+
+    @property
+    def covariance(self) -> Array | None:
+        """Of each row's noise, (n, c, c); None where it has to be estimated."""
+        ...
+
+    @property
+    def floor(self) -> Array:
+        """Least sd of each channel, (c,)."""
+        ...
 
     def foretold(self, values: Array) -> Array:
         """The channels in all rows for parameters (k, p): shape (k, n, c)."""

@@ -91,7 +91,7 @@ MACHINE = (
 SOIL = (
     Known(
         name="soil.cone_index_kpa", unit="kPa", about="cone index", spread=0.5, low=50.0,
-        high=5000.0, settles="a cone penetrometer, or a coast-down and a pass with the plough up",
+        high=5000.0, settles="a penetrometer, or a coast-down beside a pass with the plough up",
     ),
     Known(
         name="soil.friction", unit="-", about="friction", spread=0.07, low=0.05, high=1.5,

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -51,7 +52,7 @@ class Gear:
 
 @dataclass(frozen=True)
 class Condition:
-    """What is driven alike: all segments of work in one gear, or all of driving empty in it."""
+    """What is driven alike: all segments of work, or all that are empty, in one gear."""
 
     working: bool
     gear: Gear
@@ -71,7 +72,8 @@ class Drawn:
     def scenario(self, values: Values, gear: Gear) -> Scenario:
         """The drive with some parameters, in a gear."""
         machine = machine_with(self.machine, values)
-        soil = replace(soil_with(self.soil, values), draft_cv=0.0, ripple_cv=0.0, strength_cv=0.0)
+        still: dict[str, Any] = {"draft_cv": 0.0, "ripple_cv": 0.0, "strength_cv": 0.0}
+        soil = replace(soil_with(self.soil, values), **still)
         part = self.implement
         return Scenario(
             name="calibrate", machine=machine.name, machine_numbers=machine,
@@ -108,8 +110,7 @@ class Rollouts:
     """Parameters that are not fitted."""
 
     def __post_init__(self) -> None:
-        self.measured = self.evidence.measured
-        self.covariance: Array | None = self.evidence.covariance
+        self.measured, self.covariance = self.evidence.measured, self.evidence.covariance
         self.time_s, self.floor = self.evidence.time_s, self.evidence.floor
         self._started: tuple[Machine, dict[bool, Snapshot]] | None = None
         self._simulations: dict[int, Simulation] = {}

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,7 +97,7 @@ def _pieces(chosen: NDArray[np.bool_], after: int) -> list[slice]:
             continue
         count = max(1, round((stop - first) / LONGEST_S))
         edges = np.linspace(first, stop, count + 1).round().astype(int)
-        out += [slice(int(a), int(b)) for a, b in pairwise(edges)]
+        out += [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]
     return out
 
 

@@ -18,7 +18,7 @@ runs on, without running it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,9 +97,13 @@ class Steady:
     """Whether the rows' torque is the rear axle's, over the reference torque."""
 
     def __post_init__(self) -> None:
-        course = Course(length_m=100.0)
-        scenario = Scenario(name="calibrate", machine=self.machine.name, soil=self.soil,
-                            machine_numbers=self.machine, course=course)  # fmt: skip
+        scenario = Scenario(
+            name="calibrate",
+            machine=self.machine.name,
+            machine_numbers=self.machine,
+            soil=self.soil,
+            course=Course(length_m=100.0),
+        )
         whole = assemble(scenario)
         data = whole.model.numeric_data[-block.SIZE :]
         self._soil = data[block.SOIL : block.WHEEL].copy()
@@ -108,13 +112,8 @@ class Steady:
         self.channels = CHANNELS if fuel else CHANNELS[:1]
         measured = {"speed_ratio": self.rows.ratio, "fuel_lph": self.rows.fuel_lph}
         self.measured = np.stack([measured[c] for c in self.channels], axis=1)
-        self.time_s = self.rows.time_s
-        self.covariance: Array | None = None
+        self.time_s, self.covariance = self.rows.time_s, None
         self.floor = np.array([0.001, 0.02])[: len(self.channels)]
-
-    def of(self, rows: SteadyRows) -> Steady:
-        """The same model of other rows."""
-        return replace(self, rows=rows)
 
     def foretold(self, values: Array) -> Array:
         """The channels of all rows for parameters (k, p): shape (k, n, c)."""

@@ -64,18 +64,21 @@ class SteadyRows:
         return np.asarray(self.speed_mps / self.wheel_mps)
 
 
-def steady_rows(log: Log, rows: Table, torque: Array) -> SteadyRows:
+def steady_rows(
+    log: Log, rows: Table, torque: Array, steady_mps2: float = STEADY_MPS2
+) -> SteadyRows:
     """The steady rows of a log, work and empty.
 
     Args:
         log: for its headings and its labels of rows.
         rows: the log in seconds.
         torque: engine torque over its reference, of each second.
+        steady_mps2: change of the wheels' speed a second below which work is steady.
 
     Raises:
         BadInput: fewer than 12 rows of steady work.
     """
-    working, empty = _doing(log, rows)
+    working, empty = doing(log, rows)
     heading = _heading(log, rows)
     time_s = (rows["epoch_ns"] - rows["epoch_ns"][0]) * 1e-9
     ground, wheel, engine = rows["speed_mps"], rows["wheel_speed_mps"], rows["engine_radps"]
@@ -92,7 +95,7 @@ def steady_rows(log: Log, rows: Table, torque: Array) -> SteadyRows:
         change = np.abs(np.diff(wheel[part])).max()
         turned = heading[part] - heading[first]
         if (
-            change < (STEADY_MPS2 if at_work else EMPTY_MPS2)
+            change < (steady_mps2 if at_work else EMPTY_MPS2)
             and wheel[part].min() > LEAST_MPS
             and engine[part].min() * 30.0 / math.pi > LEAST_RPM
             and not np.abs(turned).max() >= STRAIGHT_RAD
@@ -113,7 +116,7 @@ def steady_rows(log: Log, rows: Table, torque: Array) -> SteadyRows:
     return out
 
 
-def _doing(log: Log, rows: Table) -> tuple[Mask, Mask]:
+def doing(log: Log, rows: Table) -> tuple[Mask, Mask]:
     """Seconds of work, and of driving empty: by the map's labels, or else by `activity`."""
     told = activity(rows)
     masks = []

@@ -1,9 +1,7 @@
-"""What a log tells of each parameter, and what it tells only of several together."""
+"""What a log can tell of each parameter, said plainly."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,87 +9,72 @@ import numpy as np
 from twin.calibration.fitting import Fit
 from twin.calibration.known import known
 
-IDENTIFIED, WEAK, NOT = "identified", "weak", "not identified from this log"
-MOST_OF_PRIOR = {IDENTIFIED: 1.0 / 3.0, WEAK: 0.8}
-"""A verdict -> posterior over prior sd, at most."""
+IDENTIFIED, WEAK, NOT = "identified", "weak", "not identified"
+MOST_IDENTIFIED, MOST_WEAK = 1.0 / 3.0, 0.9
+"""Posterior over prior sd up to which a parameter is identified, and weak."""
+LEAST_SURE = 0.15
+"""One that is known no better than this, relative, is weak whatever the prior was."""
 TOGETHER = 0.8
-"""Two parameters whose correlation is larger are only told together."""
-SD_95 = 1.96
+"""Correlation from which two are told only together."""
+NORMAL_95 = 1.96
 
 
-@dataclass(frozen=True, kw_only=True)
-class Found:
-    """One parameter."""
+@dataclass(frozen=True)
+class Told:
+    """A parameter with its 95 % interval."""
 
     name: str
+    unit: str
     value: float
     low: float
-    """The 95 % interval, exp(u -+ 1.96 sd)."""
     high: float
-    verdict: str
-    unit: str
     prior: float
     prior_low: float
     prior_high: float
-    grade: str
-    """Of the prior."""
-    at_bound: bool
+    verdict: str
     settles: str
-    """The measurement that would tell it, where the log does not."""
+    at_bound: bool
 
 
-@dataclass(frozen=True, kw_only=True)
-class Together:
-    """Two parameters that the log tells only together."""
-
-    names: tuple[str, str]
-    correlation: float
-
-    def __str__(self) -> str:
-        one, other = (known(name).about for name in self.names)
-        settles = known(self.names[0]).settles
-        return (
-            f"{one} and {other} only together: correlation {self.correlation:+.2f}; {settles} "
-            "would part them"
-        )
-
-
-def found(fit: Fit) -> tuple[Found, ...]:
-    """The verdict on each parameter of a fit."""
-    prior, sd = fit.prior, np.sqrt(np.diag(fit.cov))
+def told(fit: Fit) -> list[Told]:
+    """What was found of every parameter."""
     out = []
-    for i, name in enumerate(prior.names):
-        about = known(name)
-        out.append(
-            Found(
-                name=name,
-                value=math.exp(fit.u[i]),
-                unit=about.unit,
-                low=math.exp(fit.u[i] - SD_95 * sd[i]),
-                high=math.exp(fit.u[i] + SD_95 * sd[i]),
-                verdict=verdict(float(sd[i] / prior.sd[i])),
-                prior=math.exp(prior.mean[i]),
-                prior_low=math.exp(prior.mean[i] - SD_95 * prior.sd[i]),
-                prior_high=math.exp(prior.mean[i] + SD_95 * prior.sd[i]),
-                grade=prior.grades[i],
-                at_bound=bool(fit.at_bound[i]),
-                settles=about.settles,
+    sds = np.sqrt(np.diag(fit.cov))
+    for i, name in enumerate(fit.prior.names):
+        u, sd, mean, believed = fit.u[i], sds[i], fit.prior.mean[i], fit.prior.sd[i]
+        share = sd / believed
+        verdict = IDENTIFIED if share <= MOST_IDENTIFIED else WEAK if share <= MOST_WEAK else NOT
+        if verdict == IDENTIFIED and sd > LEAST_SURE:
+            verdict = WEAK
+        ends = np.exp([u - NORMAL_95 * sd, u + NORMAL_95 * sd])
+        before = np.exp([mean - NORMAL_95 * believed, mean + NORMAL_95 * believed])
+        out.append(Told(
+            name, known(name).unit, float(np.exp(u)), float(ends[0]), float(ends[1]),
+            float(np.exp(mean)), float(before[0]), float(before[1]), verdict, known(name).settles,
+            bool(fit.at_bound[i]),
+        ))  # fmt: skip
+    return out
+
+
+def together(fit: Fit) -> list[str]:
+    """Pairs that the log tells only together, in words."""
+    sds = np.sqrt(np.diag(fit.cov))
+    correlation = fit.cov / np.outer(sds, sds)
+    found = []
+    for i, j in zip(*np.triu_indices(len(sds), 1), strict=True):
+        if abs(correlation[i, j]) >= TOGETHER:
+            one, other = (known(fit.prior.names[k]) for k in (i, j))
+            found.append(
+                f"{one.about} and {other.about} only together: correlation {correlation[i, j]:+.2f}"
             )
-        )
-    return tuple(out)
+    return found
 
 
-def verdict(of_prior: float) -> str:
-    """The verdict on a posterior sd over the prior's."""
-    return next((v for v, most in MOST_OF_PRIOR.items() if of_prior <= most), NOT)
-
-
-def together(fit: Fit) -> Iterator[Together]:
-    """Pairs of parameters that are only told together, the strongest first."""
-    sd = np.sqrt(np.diag(fit.cov))
-    correlation = fit.cov / np.outer(sd, sd)
-    pairs = [(i, j) for i in range(len(sd)) for j in range(i)]
-    for i, j in sorted(pairs, key=lambda pair: -abs(correlation[pair])):
-        if abs(correlation[i, j]) > TOGETHER:
-            names = (fit.prior.names[i], fit.prior.names[j])
-            yield Together(names=names, correlation=float(correlation[i, j]))
+def misfit_note(fit: Fit) -> str:
+    """What is said of residuals that are larger than the noise; empty where they are not."""
+    if fit.misfit <= 1.3:
+        return ""
+    return (
+        f"the model misses the log by {fit.misfit:.1f} times its noise: something else is in the "
+        "log, or the soil law is another; the intervals are widened by as much"
+    )

@@ -1,9 +1,8 @@
-"""`twin calibrate LOG`: find the machine and the soil that explain a recorded drive."""
+"""`twin calibrate LOG... --machine FILE`: the machine and the soil that explain a log."""
 
 from __future__ import annotations
 
 import json
-import math
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,48 +11,43 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
+from twin.commands.output import STDOUT, Output, check_files, check_folder
 from twin.commands.parse import parse
-from twin.commands.tables import Column, print_table
-from twin.commands.terminal import say
+from twin.commands.terminal import say, waiting
 from twin.errors import BadInput
 
 if TYPE_CHECKING:
     from twin.calibration.calibrate import Calibration
-    from twin.calibration.held_out import Score
 
 
 @dataclass(frozen=True, kw_only=True)
-class Calibrate:
-    """Find the machine and the soil that explain a recorded drive, and what it cannot tell."""
+class Calibrate(Output):
+    """Find the machine and the soil that explain a recorded drive; say what it cannot tell."""
 
     log: Annotated[tuple[Path, ...], tyro.conf.Positional]
-    """The recorded drive, or the files it is in; the clock of the first counts."""
+    """The recorded drive, or the files it is in."""
     map: Path | None = None
     """TOML file that gives the meaning and the unit of each column."""
-    reader: str | None = None
-    """What reads it: bag, can, csv, mat, nmea, parquet, run-folder, ubx or module:Name."""
     machine: str = ""
-    """The tractor that was driven: a name of `twin list`, or a file. It is believed as its grades
-    say."""
+    """What is believed of the machine before: a name of twin list, or a TOML file."""
+    implement: str | None = None
+    """The implement: a name or a file; by default the machine's usual one."""
     soil: str = "tilled"
-    """Soil preset that is believed before the log."""
+    """What is believed of the soil before: a preset of twin list, or a soil's file."""
+    law: str = "brixius"
+    """Soil law that is fitted: brixius, bekker, or your own as module:function."""
     parameters: str = ""
-    """What is fitted, separated by commas; by default all that such a log may tell of."""
-    fit: str = "0:0.667"
-    """Share of the steady work, by time, that is fitted: FROM:TO."""
-    holdout: str = "0.667:1"
-    """Share of it that is never fitted, and foretold."""
-    out: Path | None = None
-    """Folder for the machine's file, the posterior and the soil; by default
-    calibrated/<name of the log>."""
-    seed: int = 0
-    """Of the starts of the search, and of the draws of intervals."""
+    """What is fitted, separated by commas; by default all that the log can tell."""
+    hold_out: str = ""
+    """FIRST,LAST: seconds of the log that are never fitted; by default the last quarter of work."""
     starts: int = 3
-    """Searches, the first from what is believed."""
-    quiet: bool = False
-    """Print errors only."""
-    json: bool = False
-    """Print what was found as JSON instead of tables."""
+    """How many random starts the fit has."""
+    seed: int = 0
+    """Of the random starts."""
+    jobs: int = 1
+    """Threads."""
+    out: Path | None = None
+    """Folder for all files; by default that of the machine's file, or the working directory."""
 
 
 def main(args: Sequence[str]) -> int:
@@ -61,74 +55,71 @@ def main(args: Sequence[str]) -> int:
     options = parse(Calibrate, args, prog="twin calibrate")
     if not options.log:
         raise BadInput("no log is named; twin calibrate LOG --machine FILE")
-    absent = [log for log in options.log if options.reader is None and not log.exists()]
-    if absent:  # before anything heavy is loaded
-        raise BadInput(f"{absent[0]}: there is no such file")
     if not options.machine:
-        raise BadInput("no machine is named; --machine with a name of twin list, or a file")
-    parts = {name: _part(name, getattr(options, name)) for name in ("fit", "holdout")}
+        raise BadInput("--machine is missing; a machine's file, or a name of twin list, would do")
+    for log in options.log:
+        if not log.exists():
+            raise BadInput(f"{log}: there is no such file")
+    check_folder("out", options.out)
+    check_files(json=options.json)
+    for option in ("starts", "jobs"):
+        if getattr(options, option) < 1:
+            raise BadInput(f"--{option} {getattr(options, option)}: 1 or more would do")
+    held = _span(options.hold_out)
     from twin.calibration.calibrate import calibrate
-    from twin.calibration.written import plain, write
+    from twin.io.atomic import made, write_text
+    from twin.scenario import Soil
 
-    names = tuple(n.strip() for n in options.parameters.split(",") if n.strip())
-    found = calibrate(
-        options.log, options.map, options.machine, options.reader, parameters=names,
-        soil=options.soil, fit_part=parts["fit"], held_part=parts["holdout"], seed=options.seed,
-        starts=options.starts,
-    )  # fmt: skip
-    folder = options.out or Path("calibrated") / options.log[0].resolve().stem
-    file = write(found, folder, f"twin calibrate {shlex.join(args)}")
-    if options.json:
-        print(json.dumps(plain(found), indent=2))
-    elif not options.quiet:
-        _print(found)
-        say(f"{file}: twin run plough-25cm --machine {file} --posterior 30")
+    given = Path(options.machine)
+    folder = options.out or (given.parent if given.suffix == ".toml" else Path())
+    stem = given.stem if given.suffix in (".toml", ".xml") else options.machine
+    names = [n.strip() for n in options.parameters.split(",") if n.strip()]
+    with made(folder), waiting("calibrating", shown=options.talks):
+        found = calibrate(
+            options.log, options.map, machine=options.machine, parameters=names or None,
+            hold_out_s=held, implement=options.implement,
+            soil=Soil(preset=options.soil, law=options.law), seed=options.seed,
+            starts=options.starts, jobs=options.jobs, resume=folder / f".{stem}.calibrating.json",
+        )  # fmt: skip
+    paths = found.save(folder, stem, f"twin calibrate {shlex.join(args)}")
+    if options.json == STDOUT:
+        print(json.dumps(found.scores, indent=2))
+    elif options.json is not None:
+        write_text(options.json, json.dumps(found.scores, indent=2) + "\n")
+    if options.talks:
+        _say(found, paths)
     return 0
 
 
-def _gain(score: Score) -> str:
-    if math.isnan(score.gain_low):
-        return "too few blocks to tell it from the line"
-    return f"gain over the line {score.gain_low:+.4f} to {score.gain_high:+.4f}: {score.verdict}"
-
-
-def _part(name: str, text: str) -> tuple[float, float]:
+def _span(text: str) -> tuple[float, float] | None:
+    """Two rising numbers. Raises BadInput."""
+    if not text:
+        return None
     try:
-        first, last = (float(each) for each in text.split(":"))
+        first, last = (float(part) for part in text.split(","))
     except ValueError:
-        raise BadInput(f"--{name} {text} is not FROM:TO, such as 0:0.667") from None
+        first, last = 1.0, 0.0
+    if not first < last:
+        raise BadInput(f"--hold-out {text}: two rising numbers of seconds, as 600,900, would do")
     return first, last
 
 
-def _print(found: Calibration) -> None:
-    values = found.parameters
+def _say(found: Calibration, paths: dict[str, Path]) -> None:
+    from twin.calibration.page import HEADERS, about, rows, scores, settling
+    from twin.commands.tables import Column, print_table
+
+    cells = list(zip(*rows(found), strict=True))
     print_table([
-        Column(heading="parameter", cells=[v.name for v in values], text=True),
-        Column(heading="value", cells=[f"{v.value:.4g}" for v in values]),
-        Column(heading="95 %", cells=[f"{v.low:.4g} to {v.high:.4g}" for v in values], rank=1),
-        Column(heading="unit", cells=[v.unit for v in values], text=True, rank=2),
-        Column(heading="before", cells=[f"{v.prior:.4g}" for v in values], rank=3),
-        Column(heading="", cells=[v.verdict for v in values], text=True),
+        Column(heading=heading, cells=column, text=heading in ("parameter", "unit", "verdict"),
+               rank=1 if heading == "before" else 0)
+        for heading, column in zip(HEADERS, cells, strict=True)
     ])  # fmt: skip
-    for each in found.together:
-        say(str(each))
-    for value in values:
-        if value.verdict != "identified":
-            say(f"{value.name}: {value.settles} would settle it", indent=2)
-    gears = ", ".join(f"{g.name} ({g.share:.0%} of the time)" for g in found.gears)
-    say(f"gears: {gears or 'none found'}")
-    if math.isfinite(found.lag_s):
-        say(f"the receiver's speed is {found.lag_s:.2f} s late")
-    score = found.holdout
-    print_table([
-        Column(heading="held out, slip", text=True,
-               cells=["calibrated twin", "line of torque x speeds", "constant"]),
-        Column(heading="rms", cells=[f"{v:.4f}" for v in
-                                     (score.slip_rms, score.line_rms, score.constant_rms)]),
-    ])  # fmt: skip
-    say(
-        f"{score.rows} rows, {score.blocks} blocks of five minutes; {score.coverage:.0%} in their "
-        f"95 % band; {_gain(score)}"
-    )
+    for line in (*about(found), *found.together):
+        say(line)
+    for line in settling(found):
+        say(f"what would settle {line}")
+    for name, value in scores(found):
+        say(f"held back: {name} {value}")
     for note in found.notes:
-        say(note)
+        say(f"note: {note}", style="dim")
+    say(", ".join(str(path) for path in paths.values()))

@@ -137,6 +137,9 @@ STREAMS: dict[str, Columns] = {
             "-", "-",
             "engine torque over `sensors.machine.reference_torque_nm`; 0 to 1.25 in a simulation"
         ),
+        "engine_torque": Column(
+            "-", "-", "engine torque over the engine's reference torque (SPN 513), from logs alone"
+        ),
         "fuel_lph": Column("L/h", "-", "fuel rate"),
     },
     "camera": {

@@ -10,6 +10,7 @@ from functools import cached_property
 from twin.errors import BadInput, OutOfRange, UnknownName, check_range
 from twin.io.plain import Plain
 from twin.scenario.soils import LAWS, PRESETS, Deformable, Preset
+from twin.scenario.soils import preset as preset_of
 
 FRICTIONS, CONE_INDICES_KPA = (0.05, 1.5), (50.0, 5000.0)
 """Friction and cone index that a soil may have, on its patches too."""
@@ -51,7 +52,7 @@ class Soil:
     """Soil by name: firm, tilled, soft, asphalt, gravel, dry, wet, grass, sandy-loam-11,
     sandy-loam-15, sandy-loam-22, sandy-loam-23, clayey-38, heavy-clay-25, lean-clay-22,
     upland-sandy-loam-51, rubicon-sandy-loam-43, north-gower-46, grenville-loam-24, dry-sand,
-    lete-sand. `twin list` says what each is."""
+    lete-sand. `twin list` says what each is. Or a soil's TOML file, as twin calibrate writes."""
     law: str = "brixius"
     """Tyre-soil law: brixius, bekker, or your own as module:function."""
     friction: float | None = None
@@ -99,7 +100,7 @@ class Soil:
     """The preset's own numbers as a run has kept them in its scenario.json; None looks them up."""
 
     def __post_init__(self) -> None:
-        if self.preset not in PRESETS and not self._keeps_preset:
+        if not self._keeps_preset and preset_of(self.preset) is None:
             raise UnknownName("soil preset", self.preset, PRESETS)
         if self.law not in LAWS and ":" not in self.law:
             raise UnknownName("soil law", self.law, LAWS)
@@ -143,7 +144,9 @@ class Soil:
     @property
     def _preset(self) -> Preset:
         kept = self.numbers if self._keeps_preset else None
-        return PRESETS[self.preset] if kept is None else kept
+        found = preset_of(self.preset) if kept is None else kept
+        assert found is not None
+        return found
 
     def with_numbers(self) -> Soil:
         """The same soil, which no edit of the preset changes any more."""

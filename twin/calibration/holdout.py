@@ -1,0 +1,104 @@
+"""The part of a log that was never fitted, foretold and scored beside a line and a constant."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from twin.calibration.fitting import STEP, Fit
+from twin.calibration.steady import Steady
+from twin.calibration.steady_rows import SteadyRows
+
+Array = NDArray[np.float64]
+BLOCK_S, FEWEST_BLOCKS = 300.0, 4
+"""Blocks of the paired interval; shorter ones where the part held back has fewer than four."""
+REPLICATES = 2000
+NORMAL_95 = 1.96
+HUBER_SLIP = 0.01
+
+
+@dataclass(frozen=True)
+class Holdout:
+    """Rows that were held back, foretold; and their scores."""
+
+    rows: SteadyRows
+    slip: Array
+    """Foretold."""
+    slip_sd: Array
+    measured: Array
+    """By the scale of the wheels that was found; NaN where GNSS is not known."""
+    line: Array
+    constant: float
+    scores: dict[str, float | None]
+    block_s: float
+
+
+def held_out(model: Steady, fit: Fit, fitted: SteadyRows, seed: int = 0) -> Holdout:
+    """Score the rows of `model`, none of which was fitted.
+
+    Slip is foretold by the laws at the parameters' mean; its sd has the parameters' uncertainty and
+    the noise of slip that was estimated. Beside it stand a straight line of slip in engine torque x
+    engine speed / wheel speed by Huber's loss, and the median, both of the fitted rows.
+    """
+    rows, names = model.rows, fit.prior.names
+    scale = fit.values.get("log.wheel_scale", 1.0)
+    sets = np.exp(np.vstack([fit.u[None], fit.u + STEP * np.eye(len(names))]))
+    foretold = model.foretold(sets)[:, :, 0]
+    slopes = (foretold[1:] - foretold[0]).T / STEP
+    noise_sd = float(fit.noise.sd()[0, 0])
+    spread = np.sqrt(np.einsum("np,pq,nq->n", slopes, fit.cov, slopes) + noise_sd**2)
+    slip, slip_sd = 1.0 - foretold[0] / scale, spread / scale
+    measured = 1.0 - rows.ratio / scale
+    work = fitted.chosen(fitted.working)
+    size = float(np.median(work.force))
+    found = 1.0 - work.ratio / scale
+
+    def left(p: Array) -> Array:
+        return np.asarray(p[0] + p[1] * work.force / size - found)
+
+    line = least_squares(left, [0.0, 0.1], loss="huber", f_scale=HUBER_SLIP).x
+    straight, constant = line[0] + line[1] * rows.force / size, float(np.median(found))
+    known = np.isfinite(measured)
+    lasts_s = float(np.ptp(rows.time_s[known])) if known.any() else 0.0
+    block_s = BLOCK_S if lasts_s >= FEWEST_BLOCKS * BLOCK_S else max(lasts_s / 5.0, 5.0)
+    scores = _scores(rows.time_s[known], measured[known], slip[known], slip_sd[known],
+                     straight[known], constant, block_s, seed)  # fmt: skip
+    return Holdout(rows, slip, slip_sd, measured, straight, constant, scores, block_s)
+
+
+def _scores(
+    time_s: Array, measured: Array, slip: Array, slip_sd: Array, line: Array, constant: float,
+    block_s: float, seed: int,
+) -> dict[str, float | None]:  # fmt: skip
+    names = ("slip_rms", "slip_mae", "coverage", "line_rms", "constant_rms", "gain_low",
+             "gain_high")  # fmt: skip
+    if not len(measured):
+        return dict.fromkeys(names)
+    own, straight = measured - slip, measured - line
+    inside = np.abs(own) <= NORMAL_95 * slip_sd
+    low, high = _gain(time_s, own, straight, block_s, seed)
+    values = (_rms(own), float(np.mean(np.abs(own))), float(np.mean(inside)), _rms(straight),
+              _rms(measured - constant), low, high)  # fmt: skip
+    return dict(zip(names, values, strict=True))
+
+
+def _gain(
+    time_s: Array, own: Array, straight: Array, block_s: float, seed: int
+) -> tuple[float, float]:
+    """95 % interval of the line's rms less ours, the same blocks drawn for both."""
+    blocks = (time_s / block_s).astype(np.int64)
+    _, place = np.unique(blocks, return_inverse=True)
+    sums = np.array([np.bincount(place, v) for v in (own**2, straight**2, np.ones(len(own)))])
+    generator = np.random.default_rng(seed)
+    chosen = generator.integers(0, sums.shape[1], (REPLICATES, sums.shape[1]))
+    ours, lines, count = sums[:, chosen].sum(axis=2)
+    gains = np.sqrt(lines / count) - np.sqrt(ours / count)
+    low, high = np.quantile(gains, (0.025, 0.975))
+    return float(low), float(high)
+
+
+def _rms(errors: Array) -> float:
+    return float(np.sqrt(np.mean(errors**2)))
