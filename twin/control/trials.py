@@ -82,8 +82,8 @@ def drive(
     observation, _ = env.reset(seed=list(seeds))
     state, alive = own.started(driver, env.num_envs, name), np.ones(env.num_envs, dtype=np.bool_)
     names = [entry_.name for entry_ in env.entries]
-    measures, sums = MEASURES[env.episodes.fleet.machine.scenario.name], {}
-    total = np.zeros(env.num_envs)
+    measures = MEASURES[env.episodes.fleet.machine.scenario.name]
+    total, sums = np.zeros(env.num_envs), dict.fromkeys(measures, np.zeros((1, env.num_envs)))
     for step in range(steps):
         state, action = own.acted(driver, state, names, observation, told, name)
         observation, reward, stalled, _, info = env.step(action)
@@ -91,7 +91,7 @@ def drive(
         total += np.where(alive, reward, 0.0)
         if step >= entry:
             for name, measure in measures.items():
-                sums[name] = sums.get(name, 0.0) + measure.sums(env.episodes, info, alive)
+                sums[name] = sums[name] + measure.sums(env.episodes, info, alive)
         progress((step + 1) / steps)
     found = {name: measure.of(sums[name], steps - entry) for name, measure in measures.items()}
     return {"reward": total / steps, **found, "stalled": np.where(alive, 0.0, 1.0)}
