@@ -38,6 +38,7 @@ REGISTRY: dict[str, str] = {
     "sideslip-ekf": "estimators.sideslip_ekf:SideslipEkf",
     "mmae": "estimators.filter_bank:MMAE",
     "whiteness": "estimators.filter_bank:WHITENESS",
+    "inekf": "estimators.inekf:INEKF",
     "slip-ekf": "estimators.slip_ekf:SLIP_EKF",
     "slip-ekf-smooth": "estimators.slip_ekf.smooth:SLIP_EKF_SMOOTH",
 }
@@ -47,6 +48,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "baselines": ("ratio", "ratio-front"),
     "published": (
         "four-state-printed", "kf-z2", "pkf", "pso-pkf", "ma-pkf", "ima-pkf", "mmae", "whiteness",
+        "inekf",
     ),
     "this project's": (
         "four-state", "kf-tuned", "pso-pkf-log", "ma-pkf-log", "ima-pkf-log", "sideslip-ekf",

@@ -18,6 +18,7 @@ from estimators.layout import (
     IMU,
     NO_GROUND_SPEED,
     RESTARTED,
+    SILENT_S,
     STALE_S,
     WHEELS,
 )
@@ -134,7 +135,7 @@ def _innovations(
 
 @compiled
 def _take(signal: Record, nominal: Record, tuning: Record, memory: Record, row: Record) -> bool:
-    _carry(signal.epoch_ns, tuning, memory)
+    _carry(signal.epoch_ns, nominal, tuning, memory)
     age = (memory.time_ns - signal.epoch_ns) * 1e-9
     if too_old(signal, memory):
         return False
@@ -150,8 +151,8 @@ def _take(signal: Record, nominal: Record, tuning: Record, memory: Record, row: 
 
 
 @compiled
-def _carry(epoch_ns: int, tuning: Record, memory: Record) -> None:
-    """Predict to a newer epoch; start again after a gap."""
+def _carry(epoch_ns: int, nominal: Record, tuning: Record, memory: Record) -> None:
+    """Predict to a newer epoch; start again after a gap, and doubt the bias after a silence."""
     dt = (epoch_ns - memory.time_ns) * 1e-9
     if memory.time_ns >= 0 and dt > STALE_S:
         memory.ground_known = 0
@@ -162,6 +163,8 @@ def _carry(epoch_ns: int, tuning: Record, memory: Record) -> None:
             f, q = white_jerk(dt, tuning.jerk_psd, 3)
             f[2, 2], q[2, 2] = 1.0, tuning.bias_psd * dt
             predict(memory.ground, memory.ground_cov, f, q)
+            if dt > SILENT_S:
+                memory.ground_cov[2, 2] += nominal.accel_bias_sd_mps2**2
         f, q = white_jerk(dt, tuning.wheel_jerk_psd, 2)
         for i in range(4):
             if memory.wheel_known[i]:

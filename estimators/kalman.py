@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from twin.compute.compiled import compiled
 
 Array = NDArray[np.float64]
+UNSURE = 0.2
+"""Above this sd of w - v over the larger speed, slip is no line of the speeds."""
 Record = Any
 """One element of a structured array, as compiled code sees it: fields by name."""
 
@@ -101,6 +103,10 @@ def slip_and_sd(
     s = (w - v) / m,   m = max(|w|, |v|, 0.05 m/s)
     var s = g_w^2 P_ww + 2 g_w g_v P_wv + g_v^2 P_vv,   g = ds/d(w, v)
 
+    Near rest slip saturates: at s = -1, wheels that stand, it does not change with v, however
+    little v is known. Where the sd of w - v is above a fifth of m, the variance is therefore at
+    least var(w - v) / m^2.
+
     Args:
         wheel: theoretical speed w [m/s].
         ground: actual speed v [m/s].
@@ -120,4 +126,7 @@ def slip_and_sd(
         + 2.0 * by_wheel * by_ground * covariance
         + by_ground**2 * ground_var
     )
+    apart = (wheel_var - 2.0 * covariance + ground_var) / scale**2
+    if apart > UNSURE**2:
+        variance = max(variance, apart)
     return slip, math.sqrt(max(variance, 0.0))

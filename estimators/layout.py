@@ -42,6 +42,9 @@ REPEATED = 256
 
 STALE_S = 5.0
 """A measurement older than this says nothing; between a 1 Hz log's samples and a field's gaps."""
+SILENT_S = 2.0
+"""After so long without a sample of any sensor the unit may have been off: its turn-on bias is new
+[s]."""
 GRAVITY_MPS2 = 9.81
 HISTORY = 64
 """IMU samples remembered, 1.3 s at 50 Hz, so that a late GNSS sample meets the turning of its own
@@ -111,6 +114,7 @@ MEMORY = np.dtype(
         ("epoch_ns", "i8", len(COLUMNS)),
         ("tick_ns", "i8", 4),
         ("tick", "f8", 4),
+        ("tick_step_s", "f8", 4),
         ("direction", "f8"),
         ("imu_samples", "i8"),
         ("gyro_s", "f8"),

@@ -26,6 +26,7 @@ from estimators.layout import (
     IMU,
     NO_GROUND_SPEED,
     RESTARTED,
+    SILENT_S,
     STALE_S,
     WHEELS,
 )
@@ -216,7 +217,7 @@ def _take(signal: Record, nominal: Record, tuning: Record, memory: Record, row: 
 
 @compiled
 def _carry(epoch_ns: int, tuning: Record, memory: Record) -> None:
-    """Predict to a newer epoch; start again after a gap."""
+    """Predict to a newer epoch; start again after a gap, and doubt biases after a silence."""
     dt = (epoch_ns - memory.time_ns) * 1e-9
     if memory.time_ns >= 0 and dt > STALE_S:
         memory.known[:] = 0
@@ -232,6 +233,10 @@ def _carry(epoch_ns: int, tuning: Record, memory: Record) -> None:
         for channel in range(3):
             if memory.known[channel]:
                 predict(memory.x[channel], memory.cov[channel], f, q)
+        if dt > SILENT_S:
+            memory.cov[0, BIAS, BIAS] += tuning.bias_sd**2
+            memory.cov[1, BIAS, BIAS] += tuning.bias_sd**2
+            memory.cov[WHEEL, BIAS, BIAS] += tuning.wheel_bias_sd**2
     memory.time_ns = max(memory.time_ns, epoch_ns)
 
 

@@ -125,6 +125,8 @@ def _read(
         sensor, epoch_ns = signal.sensor, signal.epoch_ns
         if epoch_ns <= memory.epoch_ns[sensor]:
             signal.flags = OUT_OF_ORDER
+            if sensor == WHEELS:
+                wheel_speed.set_back(wheels[rows[i]], memory)
             continue
         first = memory.epoch_ns[sensor] < 0
         dt = 0.0 if first else (epoch_ns - memory.epoch_ns[sensor]) * 1e-9

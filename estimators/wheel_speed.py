@@ -13,6 +13,10 @@ from twin.compute.compiled import compiled
 
 TICKS, SPEEDS, ACCELS, SD = 0, 4, 8, 12
 """Where each block begins in `layout.WHEEL_COLUMNS`."""
+GAP_STEPS, GAP_S = 10.0, 0.5
+"""Over a gap of more than so many steps and seconds a counter may have begun anew: no speed."""
+FASTEST_MPS = 30.0
+"""A faster wheel is a counter that has begun anew; 100 km/h is 28 m/s."""
 DEFAULT_SD_MPS = 0.05
 """Taken where a source of speeds states none [m/s]."""
 
@@ -27,17 +31,24 @@ def read(
 
     The difference is the mean over the interval, so the speed of half an interval ago; each count
     is off by up to one, so the difference of two has sd (2 pi R / N) / sqrt(6). NaN in the first
-    sample. A source that gives speeds is taken as it is, at its epoch.
+    sample, in the first after a gap, and where the difference is none that a wheel makes: counters
+    begin anew when the ignition comes on. A source that gives speeds is taken as it is, at its
+    epoch.
     """
     for i in range(4):
         ticks = sample[TICKS + i]
         if math.isfinite(ticks):
             dt = (epoch_ns - memory.tick_ns[i]) * 1e-9
-            if math.isfinite(memory.tick[i]) and dt < STALE_S:
+            step = memory.tick_step_s[i]
+            gap = step > 0.0 and dt > max(GAP_STEPS * step, GAP_S)
+            if math.isfinite(memory.tick[i]) and dt < STALE_S and not gap:
                 per_tick = 2.0 * math.pi * nominal.radius_m[i] / nominal.counts_per_turn
-                signal.wheel_mps[i] = per_tick * (ticks - memory.tick[i]) / dt
-                signal.wheel_sd_mps[i] = per_tick / math.sqrt(6.0) / dt
-                signal.wheel_age_s[i] = 0.5 * dt
+                speed = per_tick * (ticks - memory.tick[i]) / dt
+                if not abs(speed) > FASTEST_MPS:
+                    signal.wheel_mps[i] = speed
+                    signal.wheel_sd_mps[i] = per_tick / math.sqrt(6.0) / dt
+                    signal.wheel_age_s[i] = 0.5 * dt
+                memory.tick_step_s[i] = dt
             memory.tick[i] = ticks
             memory.tick_ns[i] = epoch_ns
         else:
@@ -49,6 +60,17 @@ def read(
     speed = driven_mean(signal.wheel_mps, nominal)
     if speed != 0.0 and math.isfinite(speed):
         memory.direction = math.copysign(1.0, speed)
+
+
+@compiled
+def set_back(sample: NDArray[np.float64], memory: Record) -> None:
+    """Forget the counts if a sample that is out of order goes beyond them: the clock was set back.
+
+    A sample that comes late, or twice, has counts that were passed already.
+    """
+    for i in range(4):
+        if (sample[TICKS + i] - memory.tick[i]) * memory.direction > 0.0:
+            memory.tick[i] = np.nan
 
 
 @compiled

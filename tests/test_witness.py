@@ -235,6 +235,7 @@ WITNESSES: dict[str, dict[str, object]] = {
         "sensors.gnss.lever_arm_error_m": (0.1, 0.0, 0.0), "sensors.gnss.outages": OUTAGES,
         "sensors.gnss.float_sd_m": Refused(0.5), "sensors.gnss.single_tau_s": Refused(10.0),
         "sensors.faults": (Fault(kind="imu-bias", start_s=0.2, duration_s=0.3),),
+        "sensors.ignition_off_s": ((0.2, 0.1),),
         "sensors.imu.rate_hz": 40.0, "sensors.imu.internal_rate_hz": 400.0,
         "sensors.imu.filter_order": 6, "sensors.imu.filter_cut_hz": 10.0,
         "sensors.imu.latency_s": 0.01, "sensors.imu.latency_jitter_s": 0.002,

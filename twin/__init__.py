@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from twin import errors as errors
     from twin import testing as testing
+    from twin.calibration.calibrate import calibrate as calibrate
     from twin.pipeline.estimating import Estimator as Estimator
     from twin.pipeline.public import estimate as estimate
     from twin.pipeline.public import load as load
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from twin.pipeline.result import Result as Result
     from twin.scenario import Course as Course
     from twin.scenario import Drive as Drive
+    from twin.scenario import Driver as Driver
+    from twin.scenario import Event as Event
     from twin.scenario import Field as Field
     from twin.scenario import Plough as Plough
     from twin.scenario import Scenario as Scenario
@@ -40,6 +43,7 @@ _HOME = {
     "estimate": "twin.pipeline.public",
     "study": "twin.studies.study",
     "tune": "twin.tuning.tune",
+    "calibrate": "twin.calibration.calibrate",
     "Result": "twin.pipeline.result",
     "Estimator": "twin.pipeline.estimating",
     "Scenario": "twin.scenario",
@@ -47,6 +51,8 @@ _HOME = {
     "Field": "twin.scenario",
     "Plough": "twin.scenario",
     "Drive": "twin.scenario",
+    "Driver": "twin.scenario",
+    "Event": "twin.scenario",
     "Course": "twin.scenario",
     "Sensors": "twin.sensors",
     "Machine": "twin.vehicle",
@@ -56,9 +62,9 @@ _HOME = {
 _MODULES = ("errors", "testing")
 
 __all__ = [
-    "Course", "Drive", "Estimator", "Field", "Implement", "Machine", "Plough", "Result", "Scenario",
-    "Sensors", "Soil", "errors", "estimate", "load", "run", "study", "testing",
-    "tune",
+    "Course", "Drive", "Driver", "Estimator", "Event", "Field", "Implement", "Machine", "Plough",
+    "Result", "Scenario", "Sensors", "Soil", "calibrate", "errors", "estimate", "load",
+    "run", "study", "testing", "tune",
 ]  # fmt: skip
 
 

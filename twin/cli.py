@@ -22,6 +22,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
         "NAME: simulate a scenario, run and score estimators, write a run folder",
     ),
     "estimate": ("twin.commands.estimate", "LOG: run the estimators on a recorded drive"),
+    "calibrate": ("twin.commands.calibrate", "LOG: find the machine and the soil that explain it"),
     "tune": ("twin.commands.tune", "LOG: find an estimator's noises from a recorded drive"),
     "compare": ("twin.commands.compare", "DIR DIR: two runs, or a log and a run, side by side"),
     "map": ("twin.commands.map", "LOG: write a first column map, guessed from names and physics"),

@@ -64,7 +64,7 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     "depth": ("laser_m", "inclination_rad"),
     "machine": (
         "steer_rad", "hitch_m", "draft_pin_n", "axle_torque_nm",
-        "engine_radps", "engine_load", "fuel_lph",
+        "engine_radps", "engine_load", "engine_torque", "fuel_lph",
     ),
     "camera": (
         "frame", "interval_s", "v_x_mps", "v_y_mps", "var_x_m2ps2", "var_y_m2ps2", "cov_xy_m2ps2",

@@ -71,10 +71,6 @@ class SideslipEkf:
     """Of the accelerometers' biases [m2/s5]."""
     lean_sd: float = 0.1
     """sd of roll and pitch before anything is felt [rad]."""
-    unfelt_sd: float = 0.04
-    """The same where no gyro tells them: a road's camber [rad]."""
-    unfelt_s: float = 300.0
-    """Time over which they are forgotten then [s]."""
     misaligned_sd: float = math.radians(0.2)
     """sd of the antennas' mounting angle [rad], as set with a square."""
     misaligned_psd: float = 1e-12
@@ -98,14 +94,12 @@ class SideslipEkf:
     """sd of the slide on level but rough ground, of one sample in 20 ms [rad]."""
     push_sd: float = 0.03
     """sd of the slide that an implement makes [rad]."""
-    push_psd: float = 1e-5
-    """Of its walk [rad2/s]: 0.6 degrees in 10 s, as the draft changes."""
+    push_psd: float = 3e-6
+    """Of its walk [rad2/s]: 0.3 degrees in 10 s, as the draft changes."""
     unfelt_slide: float = 0.005
     """sd of a slide that lasts where no force is felt [rad]: on a road with a camber."""
-    stance_sd: float = 0.003
-    """sd of the body's pitch against level ground [rad]."""
-    stance_s: float = 7.0
-    """Time for which that is the same [s]."""
+    stance_sd: float = 0.0028
+    """sd of the body's pitch against level ground [rad]: its axes are those of the tape measure."""
     speed_sd_mps: float = 0.02
     """Least sd of the slip filter's speed [m/s]."""
     level_sd_mps: float = 0.0003
@@ -114,6 +108,11 @@ class SideslipEkf:
     """sd of the camera's mounting angle [rad]."""
     camera_yaw_psd: float = 1e-12
     """Of its walk [rad2/s]."""
+    sunk_sd: float = 5e-4
+    """sd of what the antennas seem to be turned by as the body leans in a furrow [rad]: 0.2 degrees
+    by which the IMU is askew, seen 9 degrees from the side."""
+    camera_sunk_sd: float = 1e-4
+    """The same of the camera, which feels no gravity [rad]."""
     camera_scale_sd: float = 0.02
     """sd of the camera's height, and of how far its tilt makes the ground seem nearer."""
     camera_scale_psd: float = 1e-8

@@ -48,8 +48,10 @@ FREE_RAD2, FREE_MPS, FREE_M = 10.0, 10.0, 1e3
 """Variance of a heading, sd of a speed and of a place that nothing is known of."""
 SAME_S = 0.001
 """Instants as near as this are one."""
-LAPSE_S = 0.04
+LAPSE_S = 0.06
 """The covariance is not carried more often than a measurement or this time asks [s]."""
+SHARE = 0.5
+"""What of the variance from sample to sample is white: the rest is an engine."""
 ACCEL_PSD, SETTLE, MOST_SQUARE = 5e-5, 100.0, 9.0
 """Density of the forces' noise at first [m2/s3], samples over which it is averaged, and what a
 square counts at most over the mean."""
@@ -180,6 +182,9 @@ def _settle(
         motion.noise(memory.x, memory.p, memory.imu, memory.lapse_s, nominal, tuning, memory, h)
         memory.change[:] = 0.0
         memory.lapse_s = 0.0
+        if not memory.heard[F_Y]:
+            motion.slide_on(memory.x, memory.p, memory.x[V_X] - memory.faster_mps)
+            memory.faster_mps = memory.x[V_X]
     if memory.speed_ns >= 0:
         take_speed(memory.speed, h, nominal, tuning, memory)
         memory.speed_ns = -1
@@ -213,7 +218,7 @@ def learn_noise(values: Array, dt: float, nominal: Record, memory: Record) -> No
         memory.accel_psd = ACCEL_PSD
     if math.isfinite(square) and 0.0 < dt < STALE_S:
         known = max(memory.accel_psd, least)
-        psd = min(square * dt, MOST_SQUARE * known)
+        psd = min(SHARE * square * dt, MOST_SQUARE * known)
         memory.accel_psd = max(known + (psd - known) / SETTLE, least)
 
 
@@ -256,6 +261,7 @@ def forget(nominal: Record, tuning: Record, memory: Record) -> None:
     for state in (SLIDE, SLIDE_REAR):
         restart(x, p, state, x[state], 0.0)
     memory.pulls = 0
+    memory.faster_mps = 0.0
     memory.lateral_psd, memory.unrest = tuning.frame_psd, 1.0
     ground.forget(memory)
 
@@ -295,6 +301,8 @@ def _take_frame(values: Array, h: Array, nominal: Record, tuning: Record, memory
         error = -rows.camera_aside(x, frame, follows, beside, lean, nominal, memory, h)
         r = values[2] + (math.sin(x[18]) * tuning.camera_ahead_sd * ahead) ** 2
         r += 0.0 if follows else memory.lateral_psd * span_s / 3.0
+        sinks = math.sin(x[ROLL] - lean) * motion.sinking(x, memory.imu)
+        r += sinks**2 * max(motion.SINKS_S / span_s, 1.0)
         take(x, p, h, error, r, GATE)
         memory.lateral_ns = memory.camera_ns = memory.epoch_ns
     restart(x, p, ASIDE, 0.0, 0.0)

@@ -9,8 +9,12 @@ import numpy as np
 from estimators.kalman import Array, Record
 from estimators.sideslip_ekf import ground, motion, rows
 from estimators.sideslip_ekf.layout import (
+    BIAS_P,
+    BIAS_Q,
     F_Y,
     HEADING,
+    P_RATE,
+    Q_RATE,
     V_X,
     V_Y,
 )  # fmt: skip
@@ -25,8 +29,9 @@ MOVING_MPS = 0.5
 """Below this speed no course is taken for a heading."""
 BASELINE_SD, COURSE_SD = 0.05, 0.2
 """sd of a first heading from the baseline and from the course [rad]."""
-LEAPS = 3
-"""So many headings beyond the gate in a row are right, and what foretold them is not."""
+DOUBT, LEAPS = 0.3, 3
+"""By such a share of its square an error of heading beyond the gate is that of what foretold it,
+and wholly after so many in a row."""
 LEAST_UNREST, MOST_UNREST = 0.1, 1e3
 """Factor of the motion that nothing feels."""
 DUE, MOST_EXCESS = 1.3, 1e7
@@ -47,8 +52,8 @@ def take_gnss(values: Array, h: Array, nominal: Record, tuning: Record, memory: 
         sd = values[6] if values[6] > 0.0 else nominal.heading_sd_rad
         error = wrapped(azimuth - rows.azimuth(x, nominal.mount_rad, h))
         unfelt(h, memory)
-        if memory.leapt >= LEAPS:  # the gyro missed a turn
-            p[HEADING, HEADING] += error**2
+        if error**2 > GATE**2 * (variance(p, h) + sd**2):  # the gyro missed a turn, or it leaps
+            p[HEADING, HEADING] += (1.0 if memory.leapt >= LEAPS else DOUBT) * error**2
         nis = take(x, p, h, error, sd**2, GATE)
         memory.excess = factor(memory.excess, nis, DUE, 1.0, MOST_EXCESS)
         memory.leapt = memory.leapt + 1 if nis > GATE**2 else 0
@@ -92,7 +97,8 @@ def _take_velocity(
     """Ahead, then to the left, in the horizontal axes of the heading foretold."""
     x, p, imu = memory.x, memory.p, memory.imu
     lean = motion.across(x, memory)
-    climbs = up - (imu[0] * nominal.antenna_m[1] - imu[1] * nominal.antenna_m[0])
+    p_rate, q_rate = imu[P_RATE] - x[BIAS_P], imu[Q_RATE] - x[BIAS_Q]
+    climbs = up - (p_rate * nominal.antenna_m[1] - q_rate * nominal.antenna_m[0])
     climbs -= x[V_Y] * math.sin(lean)  # whoever slides down a slope sinks
     ground.climb(climbs, x[V_X], 0.05, memory)
     for beside in (True, False):
@@ -100,10 +106,11 @@ def _take_velocity(
         cos, sin = math.cos(x[HEADING]), math.sin(x[HEADING])
         error = (north * cos - east * sin if beside else east * cos + north * sin) - foretold
         unfelt(h, memory)
+        r = sd**2 + (math.sin(lean) * motion.sinking(x, imu) if beside else 0.0) ** 2
         state = V_Y if beside else V_X
-        if not memory.heard[F_Y] and error**2 > GATE**2 * (variance(p, h) + sd**2):
+        if not memory.heard[F_Y] and error**2 > GATE**2 * (variance(p, h) + r):
             p[state, state] += error**2
-        nis = take(x, p, h, error, sd**2, GATE)
+        nis = take(x, p, h, error, r, GATE)
         if not memory.heard[F_Y]:  # then it is the motion that nobody feels
             memory.unrest = factor(memory.unrest, nis, 1.0, LEAST_UNREST, MOST_UNREST)
     memory.lateral_ns = memory.epoch_ns

@@ -20,10 +20,12 @@ ALIKE_MPS2 = 0.06
 """Forces there and back that differ by less are those of level ground: 0.17 degrees."""
 MOST_MPS2 = 0.43
 """And none that is larger, 2.5 degrees: that is no accelerometer's bias."""
+DROP = 0.02
+"""A body that leans otherwise by so much does not lean with the ground [rad]."""
 STRAIGHT_RADPS, DRIVING_MPS = 0.03, 0.3
 UNKNOWN_RAD2 = 1.0
 """A heading of a larger variance is unknown."""
-GRADE_S, GROUND_S = 2.0, 8.0
+GRADE_S, GROUND_S = 8.0, 8.0
 """Times over which climb and lean are averaged: a wheel may stand in a furrow for a while [s]."""
 
 
@@ -86,6 +88,9 @@ def _lean(dt: float, memory: Record) -> None:
     x = memory.x
     along, left = math.tan(memory.grade), math.tan(x[ROLL])
     cos, sin = math.cos(x[HEADING]), math.sin(x[HEADING])
+    across = memory.ground[1] * cos - memory.ground[0] * sin
+    if memory.ground_s > SETTLED_S and abs(left - across) > DROP:
+        return  # a wheel has dropped into a furrow
     gain = dt / min(memory.ground_s + dt, GROUND_S)
     memory.ground_s += dt
     for i, seen in ((0, cos * along - sin * left), (1, sin * along + cos * left)):

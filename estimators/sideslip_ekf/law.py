@@ -7,7 +7,9 @@ import math
 from estimators.kalman import Array, Record
 from estimators.sideslip_ekf import rows
 from estimators.sideslip_ekf.layout import (
+    CAMERA_YAW,
     F_Y,
+    MISALIGNED,
     PITCH,
     PUSH,
     ROLL,
@@ -31,9 +33,11 @@ LASTING_S = 2.0
 FIRST_S, SETTLE_S, MOST_SQUARE = 0.3, 4.0, 9.0
 """How long the first spread of the law counts, time over which it is averaged [s], and what a
 square counts at most over the mean."""
-TRUST, SLOPING, PULLING = 1.0, 4.0, 16.0
+TRUST, SLOPING, PULLING, UNFELT = 1.0, 4.0, 16.0, 100.0
 """The law never tells more than this much less than is known already, and its variance grows by
-the others on slopes and behind an implement."""
+the others on slopes, behind an implement, and where no force is felt."""
+STANCE_S = 3.0
+"""Level driving that tells how the body stands [s]."""
 LEAST_STEP_S, MOST_STEP_S = 1e-3, 1.0
 
 
@@ -62,14 +66,14 @@ def take_speed(values: Array, h: Array, nominal: Record, tuning: Record, memory:
         take(x, p, h, speed - x[V_X], r, GATE)
     if abs(x[V_X]) < DRIVING_MPS:
         return
-    if not memory.heard[F_Y] and p[ROLL, ROLL] > 1.1 * tuning.unfelt_sd**2:
-        restart(x, p, ROLL, 0.0, tuning.unfelt_sd**2)
-        restart(x, p, PUSH, 0.0, tuning.unfelt_slide**2)
+    if not memory.heard[F_Y] and p[ROLL, ROLL] > 0.0:  # how it leans nobody knows, a road's camber
+        for state, sd in ((ROLL, 0.0), (PITCH, 0.0), (PUSH, tuning.unfelt_slide)):
+            restart(x, p, state, 0.0, sd**2)
     least = tuning.level_sd_mps**2 * 0.02 / dt
     if memory.level and memory.heard[F_Y]:
         rows.one(V_Y, h)
         _learn(x[V_Y], variance(p, h), least, dt, tuning, memory)
-        take(x, p, h, -x[V_Y], max(memory.law_var, TRUST * p[V_Y, V_Y]), GATE)
+        take(x, p, h, -x[V_Y], max(memory.law_var * x[V_X] ** 2, TRUST * p[V_Y, V_Y]), GATE)
         _upright(h, dt, nominal, tuning, memory)
         return
     off = rows.slide(x, memory.imu, nominal, h)
@@ -82,8 +86,10 @@ def take_speed(values: Array, h: Array, nominal: Record, tuning: Record, memory:
     if memory.pulls:
         rough = PULLING * (tuning.rough_rad * x[V_X]) ** 2 * 0.02 / dt
     else:
-        _learn(off, foretold + unsure_var, least, dt, tuning, memory)
-        rough = SLOPING * max(memory.law_var, TRUST * foretold)
+        _learn(off, foretold, least, dt, tuning, memory)
+        rough = (SLOPING if memory.heard[F_Y] else UNFELT) * max(
+            memory.law_var * x[V_X] ** 2, TRUST * foretold
+        )
     take(x, p, h, -off, rough + unsure_var, GATE)
 
 
@@ -101,6 +107,9 @@ def _work(slip: float, clear: float, tuning: Record, memory: Record) -> None:
         pulls = 1 if memory.slip > PULLS_SLIP and memory.heard[F_Y] else 0
     if pulls and not memory.pulls:
         restart(memory.x, memory.p, PUSH, 0.0, tuning.push_sd**2)
+        memory.pulls_s = 0.0
+        memory.p[MISALIGNED, MISALIGNED] += tuning.sunk_sd**2
+        memory.p[CAMERA_YAW, CAMERA_YAW] += tuning.camera_sunk_sd**2
     elif memory.pulls and not pulls:
         restart(memory.x, memory.p, PUSH, 0.0, 0.0)
     memory.pulls = pulls
@@ -111,13 +120,13 @@ def _learn(
     off: float, known: float, least: float, dt: float, tuning: Record, memory: Record
 ) -> None:
     """How far the law is off from bump to bump: var += (e^2 - known - var) dt / settle."""
-    rough = (tuning.rough_rad * memory.x[V_X]) ** 2
+    rough, moving = tuning.rough_rad**2, memory.x[V_X] ** 2
     if memory.law_s == 0.0:
         memory.law_var = rough
     gain = dt / min(memory.law_s + FIRST_S, SETTLE_S)
     memory.law_s += dt
-    found = min(off**2 - known, MOST_SQUARE * max(memory.law_var, rough))
-    memory.law_var = max(memory.law_var + gain * (found - memory.law_var), least)
+    found = min((off**2 - known) / moving, MOST_SQUARE * max(memory.law_var, rough))
+    memory.law_var = max(memory.law_var + gain * (found - memory.law_var), least / moving)
 
 
 @array_law
@@ -127,6 +136,7 @@ def _upright(h: Array, dt: float, nominal: Record, tuning: Record, memory: Recor
     g = max(nominal.gravity_mps2, 1.0)
     rows.one(ROLL, h)
     take(x, p, h, -x[ROLL], max(memory.felt_var, 1e-6) / g**2, GATE)
-    rows.one(PITCH, h)
-    r = (tuning.stance_sd**2) * max(tuning.stance_s / dt, 1.0)
-    take(x, p, h, -x[PITCH], r, GATE)
+    if memory.stance_s < STANCE_S:  # how it stands is one unknown, and is told once
+        memory.stance_s += dt
+        rows.one(PITCH, h)
+        take(x, p, h, -x[PITCH], tuning.stance_sd**2 * STANCE_S / dt, GATE)

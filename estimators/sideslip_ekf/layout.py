@@ -73,16 +73,18 @@ MEMORY = np.dtype(
         ("camera_ns", "i8"), ("law_ns", "i8"), ("fixed", "i8"), ("leapt", "i8"),
         ("waiting", SAMPLE, ROOM), ("count", "i8"), ("lag_ns", "i8"),
         ("lapse_s", "f8"), ("change", "f8", ENTRIES), ("speed", "f8", 4), ("speed_ns", "i8"),
+        ("faster_mps", "f8"),
         # the IMU at the filter's time
         ("imu", "f8", 5), ("imu_ns", "i8"), ("heard", "i8", 5),
         ("felt", "f8", 2), ("felt_slow", "f8", 2), ("felt_var", "f8"), ("felt_s", "f8"),
         # ground and work
         ("grade", "f8"), ("grade_s", "f8"), ("ground", "f8", 2), ("ground_s", "f8"),
         ("surveyed", "i8"),
-        ("pulls", "i8"), ("depth_told", "i8"), ("slip", "f8"), ("level", "i8"),
+        ("pulls", "i8"), ("pulls_s", "f8"), ("depth_told", "i8"), ("slip", "f8"), ("level", "i8"),
         ("sector_felt", "f8", (SECTORS, 2)), ("sector_s", "f8", SECTORS), ("stretch_s", "f8"),
         # learnt
-        ("law_var", "f8"), ("law_s", "f8"), ("steady_rad", "f8"), ("lateral_psd", "f8"),
+        ("law_var", "f8"), ("law_s", "f8"), ("stance_s", "f8"), ("steady_rad", "f8"),
+        ("lateral_psd", "f8"),
         ("accel", "f8", (2, 2)), ("accel_var", "f8"), ("accel_psd", "f8"), ("unrest", "f8"),
         ("excess", "f8"), ("agree", "f8"), ("anchor_m", "f8", 2),
         ("anchor_ns", "i8"), ("way_m", "f8", 2), ("way_mps", "f8", 2), ("way_ns", "i8"),
@@ -94,15 +96,16 @@ MEMORY = np.dtype(
 `known`: 1 once there is a heading and a speed; `placed`: 1 once there is a place; `lateral_ns`:
 when GNSS or camera last told the lateral speed; `lag_ns`: how late samples come at most; `lapse_s`,
 `change`: time over which the mean was carried and the covariance not yet, and F - I of it; `speed`:
-what the slip filter said last, at `speed_ns`, -1 once it is taken; `heard`: 1 for each of the IMU's
-columns that has values; `felt`: specific force ahead and to the left over half a second,
-`felt_slow` over some, in `felt_s`; `ground`: gradient of the ground to the east and north, told
-while nothing is pulled (`surveyed`); `sector_*`: what was felt along each heading; `law_var`:
-variance of the law of sliding on level ground [m2/s2]; `steady_rad`: its angle, averaged;
-`lateral_psd`: density of the lateral speed's walk from frame to frame; `accel`, `accel_var`,
-`accel_psd`: the last forces, variance and density of their white noise; `unrest`: factor of what no
-accelerometer tells; `excess`: of the gyro's noise; `agree`: how far positions and velocities of the
-receiver are apart, from `anchor_*`, a position, and `way_*`, the way since."""
+what the slip filter said last, at `speed_ns`, -1 once it is taken; `faster_mps`: speed at which a
+slide was last carried on; `heard`: 1 for each of the IMU's columns that has values; `felt`:
+specific force ahead and to the left over half a second, `felt_slow` over some, in `felt_s`;
+`ground`: gradient of the ground to the east and north, told while nothing is pulled (`surveyed`);
+`sector_*`: what was felt along each heading; `law_var`: variance of the law of sliding [rad2];
+`steady_rad`: its angle, averaged; `lateral_psd`: density of the lateral speed's walk from frame to
+frame; `accel`, `accel_var`, `accel_psd`: the last forces, variance and density of their white
+noise; `unrest`: factor of what no accelerometer tells; `excess`: of the gyro's noise; `agree`: how
+far positions and velocities of the receiver are apart, from `anchor_*`, a position, and `way_*`,
+the way since."""
 
 NOMINAL = np.dtype(
     [

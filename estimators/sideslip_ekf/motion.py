@@ -55,6 +55,12 @@ from estimators.sideslip_ekf.layout import (
 )  # fmt: skip
 from twin.compute.compiled import array_law
 
+HALF_TRACK_M, SINKS_S = 0.9, 1.0
+"""From the middle of the body to a wheel that drops into a furrow [m], and how long it drops
+[s]."""
+EARLY, EARLY_S = 100.0, 5.0
+"""How much quicker than later the push of an implement changes at first, and for how long [s]."""
+
 Places = NDArray[np.int64]
 """Rows and columns, (ENTRIES, 2)."""
 
@@ -75,6 +81,15 @@ def across(x: Array, memory: Record) -> float:
         left = memory.ground[1] * math.cos(x[HEADING]) - memory.ground[0] * math.sin(x[HEADING])
         return math.atan(left)
     return float(x[ROLL])
+
+
+@array_law
+def sinking(x: Array, imu: Array) -> float:
+    """How fast a body that rolls rises or sinks [m/s]: one of its wheels does, the other not.
+
+    Nothing measures it; on a slope, and in a body that leans, some of it is lateral.
+    """
+    return float(HALF_TRACK_M * abs(imu[P_RATE] - x[BIAS_P]))
 
 
 @array_law
@@ -123,8 +138,9 @@ def step(x: Array, imu: Array, lean: float, dt: float, nominal: Record, memory: 
     beside = body_left(mean_x, mean_y, x, lean, memory)
     x[ASIDE] += (beside + nominal.camera_m[0] * r - nominal.camera_m[2] * p) * dt
     x[HEADING] += yaw * dt
-    x[ROLL] += (p + yaw * sin_pitch) * dt
-    x[PITCH] += (q * cos_roll - r * sin_roll) * dt
+    if memory.heard[F_Y]:
+        x[ROLL] += (p + yaw * sin_pitch) * dt
+        x[PITCH] += (q * cos_roll - r * sin_roll) * dt
 
 
 @array_law
@@ -168,16 +184,16 @@ def entries(
     n = _put(at, value, n, HEADING, BIAS_Q, -sin_roll / cos_pitch * dt)
     n = _put(at, value, n, HEADING, ROLL, yaw_roll * dt)
     n = _put(at, value, n, HEADING, PITCH, yaw_pitch * dt)
-    n = _put(at, value, n, ROLL, BIAS_P, -dt)
-    n = _put(at, value, n, ROLL, ROLL, yaw_roll * sin_pitch * dt)
-    n = _put(at, value, n, ROLL, BIAS_R, -by_r * sin_pitch * dt)
-    n = _put(at, value, n, ROLL, GYRO_SCALE, -gyro * by_r * sin_pitch * dt)
-    n = _put(at, value, n, ROLL, BIAS_Q, -sin_roll / cos_pitch * sin_pitch * dt)
-    n = _put(at, value, n, ROLL, PITCH, (yaw * cos_pitch + yaw_pitch * sin_pitch) * dt)
-    n = _put(at, value, n, PITCH, BIAS_Q, -cos_roll * dt)
-    n = _put(at, value, n, PITCH, BIAS_R, sin_roll * dt)
-    n = _put(at, value, n, PITCH, GYRO_SCALE, gyro * sin_roll * dt)
-    n = _put(at, value, n, PITCH, ROLL, -(q * sin_roll + r * cos_roll) * dt)
+    n = _put(at, value, n, ROLL, BIAS_P, -felt_s)
+    n = _put(at, value, n, ROLL, ROLL, yaw_roll * sin_pitch * felt_s)
+    n = _put(at, value, n, ROLL, BIAS_R, -by_r * sin_pitch * felt_s)
+    n = _put(at, value, n, ROLL, GYRO_SCALE, -gyro * by_r * sin_pitch * felt_s)
+    n = _put(at, value, n, ROLL, BIAS_Q, -sin_roll / cos_pitch * sin_pitch * felt_s)
+    n = _put(at, value, n, ROLL, PITCH, (yaw * cos_pitch + yaw_pitch * sin_pitch) * felt_s)
+    n = _put(at, value, n, PITCH, BIAS_Q, -cos_roll * felt_s)
+    n = _put(at, value, n, PITCH, BIAS_R, sin_roll * felt_s)
+    n = _put(at, value, n, PITCH, GYRO_SCALE, gyro * sin_roll * felt_s)
+    n = _put(at, value, n, PITCH, ROLL, -(q * sin_roll + r * cos_roll) * felt_s)
     cos, sin = math.cos(x[HEADING]), math.sin(x[HEADING])
     by_x, by_y = -math.sin(lean) * (x[PITCH] + grade), math.cos(lean)
     left = v_x * by_x + v_y * by_y
@@ -242,6 +258,19 @@ def carry(p: Array, at: Places, value: Array, n: int, room: Array) -> None:
 
 
 @array_law
+def slide_on(x: Array, p: Array, faster_mps: float) -> None:
+    """Where no force is felt a slide stays at its angle as the speed grows: v_y' = push v_x'.
+
+    Else a slide that lasts would be told from antennas that stand askew whenever the speed changes.
+    """
+    x[V_Y] += x[PUSH] * faster_mps
+    for i in range(SIZE):
+        p[V_Y, i] += faster_mps * p[PUSH, i]
+    for i in range(SIZE):
+        p[i, V_Y] += faster_mps * p[i, PUSH]
+
+
+@array_law
 def noise(
     x: Array, p: Array, imu: Array, dt: float, nominal: Record, tuning: Record, memory: Record,
     way: Array,
@@ -270,17 +299,17 @@ def noise(
     _grow(p, way, psd * dt)
     way[:] = 0.0
     way[ROLL], way[ASIDE] = 1.0, -nominal.camera_m[2]
-    _grow(p, way, (gyro + by_p if memory.heard[P_RATE] else 0.0) * dt)
+    _grow(p, way, (gyro + by_p if memory.heard[F_Y] else 0.0) * dt)
     way[:] = 0.0
     way[PITCH], way[HEADING] = cos_roll, sin_roll
-    _grow(p, way, (gyro + by_q if memory.heard[Q_RATE] else 0.0) * dt)
+    _grow(p, way, (gyro + by_q if memory.heard[F_Y] else 0.0) * dt)
+    way[:] = 0.0
+    way[EAST], way[NORTH] = -math.sin(x[HEADING]), math.cos(x[HEADING])
+    _grow(p, way, SINKS_S * (math.sin(across(x, memory)) * sinking(x, imu)) ** 2 * dt)
     free = tuning.free_psd * memory.unrest
     p[V_X, V_X] += (memory.accel_psd if memory.heard[F_X] else 4.0 * free) * dt
-    walk(p, memory.accel_psd if memory.heard[F_Y] else free, dt)
-    if not memory.heard[P_RATE]:
-        fade(x, p, ROLL, tuning.unfelt_s, tuning.unfelt_sd, dt)
-    if not memory.heard[Q_RATE]:
-        fade(x, p, PITCH, tuning.unfelt_s, tuning.unfelt_sd, dt)
+    rolls = SINKS_S * (sinking(x, imu) * (imu[P_RATE] - x[BIAS_P])) ** 2
+    walk(p, memory.accel_psd + rolls if memory.heard[F_Y] else free, dt)
     for bias in (BIAS_P, BIAS_Q, BIAS_R):
         p[bias, bias] += tuning.gyro_bias_psd * dt
     for bias in (BIAS_X, BIAS_Y):
@@ -291,7 +320,9 @@ def noise(
     p[MISALIGNED, MISALIGNED] += tuning.misaligned_psd * dt
     p[COMPLIANCE, COMPLIANCE] += tuning.compliance_psd * dt
     if memory.pulls:
-        p[PUSH, PUSH] += tuning.push_psd * dt
+        early = EARLY * math.exp(-memory.pulls_s / EARLY_S)
+        memory.pulls_s += dt
+        p[PUSH, PUSH] += (1.0 + early) * tuning.push_psd * dt
     p[CAMERA_YAW, CAMERA_YAW] += tuning.camera_yaw_psd * dt
     p[CAMERA_SCALE, CAMERA_SCALE] += dt * (
         tuning.camera_work_psd if memory.pulls else tuning.camera_scale_psd

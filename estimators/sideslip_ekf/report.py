@@ -64,6 +64,8 @@ def report(
         motion.step(x, mean, lean, dt, nominal, memory)
         last_ns = memory.waiting[k].epoch_ns
     rest = (memory.newest_ns - last_ns) * 1e-9
+    if rest > 0.0:  # as it was felt last
+        motion.step(x, now, lean, rest, nominal, memory)
     r, v_y = motion.turning(x, now), x[V_Y]
     v_y_cg = v_y + nominal.cg_x_m * r
     psd = memory.accel_psd if memory.heard[F_Y] else tuning.free_psd * memory.unrest
@@ -78,6 +80,6 @@ def report(
         out[1] = math.atan2(v_y_cg, x[V_X])
         out[2] = math.sqrt(max(var, 0.0)) / abs(x[V_X])
         out[5] = math.atan2(v_y, x[V_X])
-    out[3], out[6] = x[SLIDE] + rest * v_y_cg, x[SLIDE_REAR] + rest * v_y
+    out[3], out[6] = x[SLIDE], x[SLIDE_REAR]
     slide = p[SLIDE, SLIDE] + 2.0 * ahead_s * p[SLIDE, V_Y] + ahead_s**2 * p[V_Y, V_Y]
     out[4] = math.sqrt(max(slide, 0.0))

@@ -44,8 +44,9 @@ RIM_S = 3.0
 """Time over which the driven wheels' speed is averaged for the filter's gradients [s]."""
 THROTTLE_S = 0.2
 """Time in which a driver changes the speed of the wheels [s]."""
-OUTLIER_SD = 5.0
-"""A count further off than this many sd is a miscount or a motion."""
+OUTLIER_SD, AGAIN_SD, EXACT_SHARE = 5.0, 3.0, 4.0
+"""A count further off than the first of these is a miscount [sd]. Two in a row, the same way, are a
+motion; where jitter's variance is less than so many times the count's, from the second on."""
 SLOW_MPS = 0.2
 """Below this speed counts tell nothing of the motion's changes."""
 
@@ -200,20 +201,22 @@ def _take_rear(
         error = speed - rows.driven(memory.x, memory.rim_mps, age + tau, h)
     total = variance(memory.p, h, r)
     note(memory.notes, error, total)
-    nis = error**2 / total
-    memory.nis_sum[FROM_DRIVEN] += nis
+    normalised = error / math.sqrt(total)
+    memory.nis_sum[FROM_DRIVEN] += normalised**2
     memory.nis_count[FROM_DRIVEN] += 1
-    adapt_factors(error / math.sqrt(total), memory)
-    is_outlier = nis > OUTLIER_SD**2
-    if is_outlier and travels and memory.outlier * error <= 0.0:  # once: a miscount
-        memory.p[REAR, REAR] += error**2 - total
-    elif is_outlier:  # again the same way: a motion
-        direction = np.zeros(SIZE)
+    adapt_factors(normalised, memory)
+    is_outlier = abs(normalised) > OUTLIER_SD
+    exact = travels and memory.jitter_var * speed**2 < EXACT_SHARE * count_var
+    again = min(abs(normalised), abs(memory.last)) > (AGAIN_SD if exact else OUTLIER_SD)
+    if (again and normalised * memory.last > 0.0) or (is_outlier and not travels):
+        direction = np.zeros(SIZE)  # a motion
         step = 2.0 * tau if travels else 1.0
         direction[W], direction[W_RATE] = 1.0 / step, 1.0 / (step * THROTTLE_S)
         direction[REAR] = 1.0 if travels else 0.0
         grow(memory.p, direction, error**2 - total)
-    memory.outlier = error if is_outlier else 0.0
+    elif is_outlier and travels:  # once: a miscount
+        memory.p[REAR, REAR] += error**2 - total
+    memory.last = normalised
     take(memory, h, error, r)
     if not is_outlier and abs(speed) > SLOW_MPS and 0.0 < dt < 1.0:
         gain(memory.x[V], speed, dt, tuning.wheel_jerk_gain, memory)

@@ -73,7 +73,7 @@ MEMORY = np.dtype(
         # wheels
         ("unbroken", "i8", 2), ("step", "f8", 2), ("step_s", "f8"), ("counted", "i8"),
         ("jitter_var", "f8"), ("count_var", "f8"), ("rim_mps", "f8"), ("difference_mps", "f8", 2),
-        ("lifted", "i8"), ("implausible", "i8", 2), ("outlier", "f8"), ("yaw_rate", "f8"),
+        ("lifted", "i8"), ("implausible", "i8", 2), ("last", "f8"), ("yaw_rate", "f8"),
         # motion
         ("wheel_factor", "f8"), ("motion_factor", "f8"), ("towed_innovation", "f8"),
         ("slow_mps", "f8", 2), ("gain_sums", "f8", 2), ("accel", "f8", LAGS),
@@ -107,8 +107,8 @@ By axle, driven and towed: `unbroken` 1 while the count has an unbroken origin; 
 counted travel, in `step_s`; `difference_mps` right less left; `implausible` samples in a row in
 which no wheel could be right. `jitter_var`, `count_var`: variances of the instants of reading and
 of an axle's counted travel, learnt from `counted` samples; `rim_mps`: counted speed of the driven
-wheels over some seconds; `lifted`: 1 more than the place of a towed wheel in the air; `outlier`:
-the last error of the driven wheels' count if it was too large to be noise.
+wheels over some seconds; `lifted`: 1 more than the place of a towed wheel in the air; `last`:
+e / sqrt(S) of the driven wheels' last count.
 
 `wheel_factor`: factor of the noise on the driven wheels' own motion; `motion_factor`: of that on
 both axles' motion, without an accelerometer; `towed_innovation`: last e / sqrt(S) of the

@@ -16,6 +16,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from estimators.kalman import Array, Record
 from estimators.slip_ekf.layout import (
     BIAS,
@@ -40,6 +42,14 @@ from estimators.slip_ekf.layout import (
     W,
 )
 from twin.compute.compiled import array_law
+
+COUPLED = np.array(
+    [(V, A), (W, W_RATE), (BIAS, BIAS_RATE)]
+    + [(REAR, i) for i in (W, W_RATE, PITCH_SLIP, PITCH_SLIP_RATE)]
+    + [(FRONT, i) for i in (V, A, TOWED, TOWED_FAST)]
+    + [(PITCH_SLIP, PITCH_SLIP_RATE), (PITCH_SLIP_RATE, PITCH_SLIP)]
+)
+"""Where F is not zero off its diagonal: which state changes by which other."""
 
 
 @array_law
@@ -208,7 +218,7 @@ def add_jerk(q: Array, jerk: float, wheel: float, both: float, dt: float) -> Non
 
 @array_law
 def propagate_covariance(p: Array, f: Array, q: Array, scratch: Array) -> None:
-    """P <- F P F^T + Q, with the zeros of F skipped; P stays symmetric to the bit.
+    """P <- F P F^T + Q, with F's zeros skipped; P stays symmetric to the bit.
 
     F P F^T = F (F P)^T as P is symmetric.
     """
@@ -224,13 +234,11 @@ def propagate_covariance(p: Array, f: Array, q: Array, scratch: Array) -> None:
 
 @array_law
 def _times(f: Array, p: Array, out: Array) -> None:
-    """out = F P, row by row."""
+    """out = F P, of the rows of F what is not zero."""
     for i in range(SIZE):
-        own = f[i, i]
         for j in range(SIZE):
-            out[i, j] = own * p[i, j]
-        for k in range(SIZE):
-            if k != i and f[i, k] != 0.0:
-                by = f[i, k]
-                for j in range(SIZE):
-                    out[i, j] += by * p[k, j]
+            out[i, j] = f[i, i] * p[i, j]
+    for n in range(len(COUPLED)):
+        i, k = COUPLED[n]
+        for j in range(SIZE):
+            out[i, j] += f[i, k] * p[k, j]

@@ -45,7 +45,7 @@ NEW_SD, AGAIN_SD = 0.6, 0.15
 """sd of the traction that a plough calls for when it goes down for the first time, and again."""
 WORK_S = 5.0
 """Time over which torque and slip are averaged, and after which they are used [s]."""
-OWN_TORQUE, LAW_SD = 0.6, 0.25
+OWN_TORQUE, LAW_SD = 0.6, 0.35
 """Share of the torque without load that rolls the driven wheels themselves, and relative sd of what
 the law then gives."""
 

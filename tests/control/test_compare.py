@@ -7,8 +7,8 @@ import pytest
 
 from twin.cli import main
 from twin.control import policy
+from twin.control.baselines import BASELINES
 from twin.control.compare import compare, rows
-from twin.control.controllers import BASELINES
 from twin.control.judged import quantities
 from twin.control.trials import ENVIRONMENTS, HELD_OUT, TRAINING, drive
 from twin.env.vector import PloughVectorEnv

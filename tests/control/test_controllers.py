@@ -6,8 +6,8 @@ from contextlib import closing
 import numpy as np
 import pytest
 
+from twin.control.baselines import BASELINES
 from twin.control.controllers import (
-    BASELINES,
     MOST_RELIEF_M,
     PI,
     Constant,
@@ -26,7 +26,11 @@ SAME = {"throttle": 0.3, "trim_m": -0.05}
 def seen(slip, target=0.12):
     slip = np.atleast_1d(np.asarray(slip, dtype=float))
     same = np.ones_like(slip)
-    return {"slip": slip, "slip_target": target * same, "depth_target_m": 0.25 * same}
+    return {
+        "slip": slip, "slip_target": target * same, "depth_target_m": 0.25 * same,
+        "depth_m": 0.24 * same, "draft_n": 2e4 * same, "speed_mps": 1.5 * same,
+        "engine_torque_nm": 300.0 * same, "engine_radps": 220.0 * same,
+    }  # fmt: skip
 
 
 def held(controller, slip, steps):
@@ -83,7 +87,8 @@ def test_each_tractor_is_driven_by_its_own_slip_and_within_the_bounds(name):
         for _ in range(20):
             alone_state, alone = controller.act(alone_state, seen(slip), PERIOD_S)
         np.testing.assert_allclose(together[i], alone[0], atol=1e-14)
-    assert np.all(np.diff(together[:, 1]) <= 1e-12)  # more slip, never deeper
+    if name != "extremum":  # which looks for the best slip, and knows no target
+        assert np.all(np.diff(together[:, 1]) <= 1e-12)  # more slip, never deeper
 
 
 def test_what_a_controller_sees_it_cannot_change():

@@ -31,7 +31,9 @@ def test_an_episode_is_what_the_environment_gives(env):
         assert episode.action["hitch"][i] == action[1]
         observation, reward, _, _, info = env.step(action)
         assert episode.reward[i] == reward
-        assert {name: values[i] for name, values in episode.info.items()} == info
+        assert set(episode.info) == set(info)
+        for name, values in episode.info.items():
+            np.testing.assert_array_equal(values[i], info[name])
     assert len(episode.reward) == 10
     assert not episode.terminated
 

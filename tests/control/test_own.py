@@ -7,8 +7,9 @@ import pytest
 
 from twin.cli import main
 from twin.control import chosen, own
+from twin.control.baselines import BASELINES
 from twin.control.compare import compare
-from twin.control.controllers import BASELINES, hitch_action
+from twin.control.controllers import hitch_action
 from twin.control.trials import drive
 from twin.env.levers import depth_set_m
 from twin.env.vector import PloughVectorEnv

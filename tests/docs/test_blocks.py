@@ -31,6 +31,8 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 ROOT_PAGES = [ROOT / name for name in ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")]
 FENCE = re.compile(r"(?:^<!-- ([^\n]*?) -->\n)?^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 MARKS = ("file: ", "not run: ", "command: ")
+SUPERSEDED = re.compile(r"^.*DeprecationWarning.*-v0 is out of date.*$", re.MULTILINE)
+"""What Gymnasium says of an environment that has a newer version."""
 FLAG = re.compile(r"--[a-z][\w.-]*")
 
 
@@ -95,7 +97,7 @@ def runs(page: Path, folder: Path, *languages: str) -> None:
         timeout=600,
     )
     assert ran.returncode == 0, ran.stderr
-    assert "Warning" not in ran.stderr
+    assert "Warning" not in SUPERSEDED.sub("", ran.stderr)
 
 
 def test_every_block_is_run_or_says_why_not() -> None:

@@ -11,7 +11,8 @@ from estimators.ratio import RATIO
 from twin.pipeline import named as registry
 from twin.streams import Streams, check, concatenate
 from twin.testing import CHECKS, check_estimator, drives
-from twin.testing.checks import SETUP, check_reverse, run, sample_streams
+from twin.testing.checks import SETUP, run, sample_streams
+from twin.testing.stops import check_restart, check_reverse
 
 STREAMS = sample_streams()
 
@@ -77,6 +78,30 @@ class Unsigned:
 def test_one_without_the_sign_of_slip_in_reverse_is_told():
     with pytest.raises(AssertionError, match=r"in reverse slip is off by 0\.2"):
         check_reverse(Unsigned())
+
+
+class Counting:
+    """Differences of counts, whatever lies between two samples."""
+
+    def init(self, setup):
+        return None
+
+    def run(self, state, chunk):
+        epoch_ns, ticks = (chunk["wheels"][c] for c in ("epoch_ns", "ticks_rl"))
+        speed = np.diff(ticks, prepend=ticks[0]) / np.diff(epoch_ns, prepend=0) * 1e9
+        slip = np.full(len(ticks), 0.12)
+        return None, {
+            "epoch_ns": epoch_ns,
+            "slip": slip,
+            "wheel_speed_mps": speed * 2 * np.pi * 0.8 / 4000,
+        }
+
+
+def test_one_that_differences_counts_over_a_restart_is_told():
+    with pytest.raises(
+        AssertionError, match=r"wheel_speed_mps is \d+\.\d m/s: counters begin anew"
+    ):
+        check_restart(Counting())
 
 
 class Broken:

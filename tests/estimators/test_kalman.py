@@ -70,6 +70,15 @@ def test_slip_sd_follows_from_the_slope_of_slip(wheel, ground):
     assert sd == pytest.approx(np.sqrt(slope @ p @ slope), rel=1e-6)
 
 
+def test_slip_that_saturates_has_the_sd_of_the_speeds_apart():
+    """Wheels that stand under a ground speed of 0.1 m/s that is as well 0: slip is -1, or 0."""
+    value, sd = slip_and_sd(0.0, 0.1, 1e-6, 0.05**2, 0.0)
+    assert value == -1.0
+    assert sd == pytest.approx(0.5, rel=1e-3)
+    _, sure = slip_and_sd(0.0, 1.5, 1e-6, 0.05**2, 0.0)
+    assert sure < 1e-3
+
+
 def test_fusion_is_the_inverse_covariance_mean():
     x1, x2, p1, p2 = *RNG.standard_normal((2, 3)), covariance(3), covariance(3)
     information = np.linalg.inv(p1), np.linalg.inv(p2)

@@ -32,6 +32,40 @@ def test_wheel_speed_is_ticks_over_time():
     assert np.isnan(wheels["wheel_mps"][:, 3]).all()
 
 
+def rear_left(t, ticks):
+    """Speeds of the rear left wheel from its counts at 50 Hz."""
+    stamps = synthetic.stamps(t)
+    stamps["arrival_ns"] = np.maximum.accumulate(stamps["arrival_ns"])
+    streams = Streams({"wheels": stamps | {"ticks_rl": ticks}})
+    return of(read(streams), WHEELS)["wheel_mps"][:, 2]
+
+
+def test_over_a_gap_counts_tell_no_speed():
+    t = np.array([0.02, 0.04, 0.06, 3.06, 3.08])
+    speed = rear_left(t, np.array([5000, 5020, 5040, 40, 60]))
+    assert np.isfinite(speed).tolist() == [False, True, True, False, True]
+    assert speed[4] == pytest.approx(speed[1])
+
+
+def test_a_counter_that_begins_anew_without_a_gap_tells_no_speed():
+    speed = rear_left(0.02 * np.arange(1, 6), np.array([50_000, 50_020, 0, 20, 40]))
+    assert np.isnan(speed[2])
+    assert speed[3:] == pytest.approx(speed[1])
+
+
+def test_a_clock_that_is_set_back_costs_the_samples_until_it_has_caught_up():
+    t = np.array([0.02, 0.04, 0.06, 0.03, 0.05, 0.07, 0.09])
+    speed = rear_left(t, 5000 + 20 * np.arange(7))
+    assert np.isnan(speed[3:6]).all()
+    assert speed[6] == pytest.approx(speed[1])
+
+
+def test_late_samples_change_no_speed():
+    t = np.array([0.02, 0.04, 0.06, 0.04, 0.08])
+    speed = rear_left(t, np.array([5000, 5020, 5040, 5020, 5060]))
+    assert speed[4] == pytest.approx(speed[1])
+
+
 def test_a_missing_count_widens_the_next_difference():
     t = np.array([0.02, 0.04, 0.06])
     ticks = np.array([100.0, np.nan, 140.0])

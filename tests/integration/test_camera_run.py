@@ -72,7 +72,9 @@ def test_on_board_velocities_do_not_depend_on_how_the_run_was_cut(short, monkeyp
     result, _ = short
     simulate = calibration.simulate
     monkeypatch.setattr(
-        calibration, "simulate", lambda machine, operator=None: simulate(machine, 7)
+        calibration,
+        "simulate",
+        lambda machine, set_levers=None: simulate(machine, 7, set_levers),
     )
     again = camera_run().streams["camera"]
     for name, column in result.streams["camera"].items():

@@ -202,6 +202,28 @@ def test_many_bad_stamps_say_what_to_do(tmp_path):
         read(written(tmp_path, columns), mapped(tmp_path))
 
 
+@pytest.mark.parametrize("by_s", [0.45, 4.0])
+def test_a_clock_that_is_set_back_once_costs_the_rows_until_it_has_caught_up(tmp_path, by_s):
+    columns = drive()
+    columns["t"][200:] -= by_s
+    log = read(written(tmp_path, columns), mapped(tmp_path))
+    left = len(log.streams["wheels"]["epoch_ns"])
+    lost = len(columns["t"]) - left
+    assert lost == pytest.approx(by_s * 5, abs=1.1)
+    assert np.all(np.diff(log.streams["wheels"]["epoch_ns"]) > 0)
+    assert any(f"row 201: the clock is set back by {by_s:g} s" in note for note in log.notes)
+    with pytest.raises(BadInput, match="the clock is set back by"):
+        read(tmp_path / "log.csv", mapped(tmp_path), strict=True)
+
+
+def test_a_clock_that_is_set_ahead_is_a_gap(tmp_path):
+    columns = drive()
+    columns["t"][200:] += 3600.0
+    log = read(written(tmp_path, columns), mapped(tmp_path))
+    assert len(log.streams["wheels"]["epoch_ns"]) == len(columns["t"])
+    assert any("gap of 3600.2 s at row 201" in note for note in log.notes)
+
+
 def test_nanoseconds_in_a_table_stay_whole_and_days_are_known(tmp_path):
     columns = drive()
     start = 1_718_359_200_123_456_789

@@ -26,7 +26,8 @@ def distinct():
 @pytest.mark.parametrize("name", distinct())
 def test_a_shipped_scenario_drives_its_course(name):
     scenario = SCENARIOS[name]
-    *_, last = simulate(build(scenario))
+    for last in simulate(build(scenario)):  # noqa: B007  # hours are not held in memory
+        pass
     course = scenario.course
     assert last.end.as_planned
     if last.end.outcome is Outcome.DRIVEN:

@@ -18,7 +18,7 @@ from twin.pipeline.run import run
 from twin.pipeline.unread import LAW_READS, RULES, complaint
 from twin.rig.tyre import Tyre
 from twin.rig.wheel import wheel
-from twin.scenario import Drive, Field, Patch, Plough, Scenario, Soil
+from twin.scenario import Course, Drive, Driver, Field, Patch, Plough, Scenario, Soil
 from twin.scenario.soils import LAWS, PRESETS
 from twin.sensors import Fault, Gnss, Outage, Sensors, ideal
 from twin.studies import left_out, plan
@@ -89,6 +89,8 @@ def test_every_rule_is_of_a_field_there_is_and_is_broken_by_something():
     fields |= {f"field.{f.name}" for f in dataclasses.fields(Field)}
     fields |= {f"plough.{f.name}" for f in dataclasses.fields(Plough)}
     fields |= {f"drive.{f.name}" for f in dataclasses.fields(Drive)}
+    fields |= {f"course.{f.name}" for f in dataclasses.fields(Course)}
+    fields |= {f"driver.{f.name}" for f in dataclasses.fields(Driver)}
     for name, config in Sensors().fitted().items():
         fields |= {f"sensors.{name}.{f.name}" for f in dataclasses.fields(config)}
     camera = {"sensors.camera.processing_s"}
@@ -108,6 +110,16 @@ IN_VAIN = {
     "drive.exhaust_brake": replace(
         BARE, machine="electric_tractor", drive=Drive(exhaust_brake=True), soil=Soil(preset="dry")
     ),
+    "course.headland": replace(CM_25, course=Course(headland="backing")),
+    "course.backings": replace(CM_25, course=Course(passes=2, backings=3)),
+    "driver.headland_rpm": replace(BARE, driver=Driver(headland_rpm=1200.0)),
+    "driver.headland_rpm_sd": replace(
+        BARE, course=Course(passes=2), driver=Driver(headland_rpm_sd=100.0)
+    ),
+    "driver.road_kmh": replace(BARE, driver=Driver(road_kmh=20.0)),
+    "driver.pause_s": replace(BARE, driver=Driver(pause_s=1.0)),
+    "driver.shifts": replace(BARE, machine="jd_8245r", driver=Driver(shifts=True)),
+    "driver.reaction_s": replace(BARE, driver=Driver(reaction_s=1.0)),
     "soil.rocks_per_100m2": replace(ROCK, plough=None),
     "soil.rock_kn": replace(CM_25, soil=Soil(rock_kn=20.0)),
     "soil.draft_cv": replace(BARE, soil=Soil(draft_cv=0.2)),

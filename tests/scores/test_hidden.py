@@ -79,7 +79,7 @@ def test_the_score_is_the_error_that_was_made():
     assert found["right"]["in_2sd"] == 1.0
     assert found["right"]["n"] == found["off"]["n"] > 10
     assert set(found["off"]) == {
-        "estimator", "hidden_s", "n", "speed_rms_mps", "slip_rms", "in_2sd",
+        "estimator", "hidden_s", "n", "speed_rms_mps", "slip_rms", "in_2sd", "phases",
     }  # fmt: skip
 
 

@@ -3,9 +3,14 @@
 import numpy as np
 import pytest
 
+from estimators.ratio import RATIO
+from twin.logs import Log
 from twin.pipeline.drive import phases_of
+from twin.pipeline.hidden import hidden_scores
 from twin.scores import scores
+from twin.scores.table import hidden_phase_rows
 from twin.streams import Streams
+from twin.testing import drives
 from twin.trajectory.phase import Phase
 
 
@@ -53,3 +58,21 @@ def test_a_reference_is_scored_by_activity(log):
 
 def test_nothing_measured_has_no_phases():
     assert phases_of(Streams({}), {}) is None
+
+
+def test_what_is_foretold_without_gnss_is_told_by_phase():
+    """Slip is foretold well at work and badly on the road; the places are those of the log."""
+    drive = drives.Drive(
+        duration_s=300.0, noise=0.0, ticks=False, speed=lambda t: np.where(t < 150, 2.0, 6.0)
+    )
+    setup = drives.setup()
+    streams = drives.streams(drive, setup)
+    t = np.arange(300)
+    stamps = {"epoch_ns": (t + 1) * 1_000_000_000, "arrival_ns": (t + 1) * 1_000_000_000}
+    machine = stamps | {"draft_pin_n": np.where(t < 150, 20e3, 500.0)}
+    log = Log(streams=Streams({**streams.tables, "machine": machine}), setup=setup)
+    found = hidden_scores(log, {"ratio": RATIO}, [2.0])[0]
+    assert set(found["phases"]) == {"work", "road"}
+    assert sum(p["n"] for p in found["phases"].values()) == found["n"]
+    rows = hidden_phase_rows({"hidden": [found]})
+    assert [row[:3] for row in rows] == [["ratio", "2", "work"], ["ratio", "2", "road"]]

@@ -110,7 +110,7 @@ def test_tables_say_the_phases_and_what_is_left_out():
     assert [row[:2] for row in rows] == [["a", "work"], ["a", "turn"], ["a", "road"]]
     assert rows[1][3:6] == ["2.000", "-2.000", "0.0"]
     assert left_out_lines(found) == [
-        "slips left out where ground and wheels are slower than 0.3 m/s: a 500 of 2500"
+        "slips left out where ground and wheels are slower than 0.3 m/s: 500 of 2500 (a)"
     ]
 
 
@@ -128,7 +128,7 @@ def test_estimates_without_a_value_are_told_with_their_names():
     found = scores.score(truth, made, scenario="s", seed=0, window=(0.0, 60.0))
     slow, unknown = left_out_lines(found)
     assert slow.endswith("500 of 2500 (a, b)")
-    assert unknown.endswith("the estimate or the truth has no value: a 50 of 2500")
+    assert unknown.endswith("the estimate or the truth has no value: 50 of 2500 (a)")
 
 
 def test_without_a_speed_there_are_no_phases_and_all_is_scored():

@@ -189,3 +189,14 @@ def test_same_seed_same_bits():
     scenario = replace(BARE, events=(STOP, Event(do="shift", at_s=8.0, by=2)))
     first, second = ([c["position_w"] for c in simulate(build(scenario))] for _ in range(2))
     assert all(np.array_equal(a, b) for a, b in zip(first, second, strict=True))
+
+
+def test_a_trial_furrow_and_a_calibration_have_no_events():
+    from twin.simulation.calibration import legs
+    from twin.simulation.trial import _expected
+
+    late = (Event(do="lower", at_m=60.0), Event(do="lift", at_m=90.0))
+    course = Course(length_m=100.0, calibration_m=20.0)
+    scenario = replace(PLOUGHING, course=course, events=late, driver=Driver(shifts=True))
+    parts = (_expected(scenario, scenario.plough), *legs(scenario))
+    assert all(part.events == () and part.driver == Driver() for part in parts)

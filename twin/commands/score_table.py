@@ -8,11 +8,13 @@ from twin.commands.tables import Column, print_table
 from twin.commands.terminal import say
 from twin.io.plain import Plain
 from twin.scores.table import (
+    HIDDEN_PHASE_RANKS,
     HIDDEN_RANKS,
     PHASE_RANKS,
     RANKS,
     end_lines,
     hidden_notes,
+    hidden_phase_rows,
     hidden_rows,
     left_out_lines,
     phase_rows,
@@ -44,6 +46,10 @@ def print_hidden(scores: Mapping[str, Plain]) -> None:
     if rows:
         say("GNSS hidden at regular places while driving, scored at their ends", style="italic")
         _print(rows, HIDDEN_RANKS)
+        by_phase = hidden_phase_rows(scores)
+        if by_phase:
+            say("the same by what was driven there, as the log's activities say", style="italic")
+            _print(by_phase, HIDDEN_PHASE_RANKS)
         for line in hidden_notes(scores):
             say(f"note: {line}", style="dim", indent=2)
 

@@ -1,4 +1,4 @@
-"""The baselines, each a few lines: constant, PI on slip, gain-scheduled PI, sliding mode.
+"""What a controller is, and baselines: constant, PI on slip, gain-scheduled PI, sliding mode.
 
 All hold the throttle and move the hitch: shallower when the wheels slip too much.
 
@@ -57,6 +57,11 @@ def actions(throttle: Gain, depth_set_m: Array) -> Array:
 def slip_error(seen: Seen) -> Array:
     """Slip minus target, signed [-], (count,)."""
     return seen["slip"] - seen["slip_target"]
+
+
+def draft_n(seen: Seen) -> Array:
+    """The draft by the pin in the hitch, or the true one where that is what is seen [N]."""
+    return seen["draft_pin_n"] if "draft_pin_n" in seen else seen["draft_n"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,15 +155,3 @@ class SlidingMode:
         sigma = np.clip(error / self.layer + integral, -1.0, 1.0)
         relief_m = self.reach_m * 0.5 * (1.0 + sigma)
         return integral, actions(self.throttle, seen["depth_target_m"] + self.trim_m - relief_m)
-
-
-BASELINES: dict[str, Controller] = {
-    "constant": Constant(throttle=0.997, trim_m=-0.0645),
-    "pi": PI(throttle=0.958, trim_m=-0.0288, kp_m=3.78, ki_mps=0.0612),
-    "scheduled-pi": ScheduledPI(throttle=0.998, trim_m=-0.0252, kp_m=3.95, ki_mps=0.137, rate=12.4),
-    "sliding-mode": SlidingMode(
-        throttle=0.971, trim_m=-0.0557, reach_m=0.113, surface_radps=0.0575, layer=0.236
-    ),
-}
-"""Gains found by `python -m twin.control.tune Plough-v0` with an earlier contact law; their mean
-rewards on the training grounds are now 0.7864, 0.7971, 0.7945, 0.7879 in this order."""

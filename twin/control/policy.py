@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.control.controllers import PI, Controller, Seen
+from twin.control.controllers import PI, Controller, Seen, draft_n
 from twin.control.fieldwork import FIELD_BASELINES
 from twin.control.torques import TORQUE_BASELINES
 from twin.control.traction import TRACTION_BASELINES
@@ -27,11 +27,6 @@ DECISION_S = 0.2
 """Time between two decisions of a policy [s]; what it adds holds in between."""
 SMOOTHING_S = 1.0
 """Time constant of the slow slips a policy sees beside the slips [s]."""
-
-
-def draft_n(seen: Seen) -> Array:
-    """The draft by the pin in the hitch, or the true one where that is what is seen [N]."""
-    return seen["draft_pin_n"] if "draft_pin_n" in seen else seen["draft_n"]
 
 
 def plough_features(seen: Seen, slow: Seen) -> list[Array]:

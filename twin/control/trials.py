@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.control import own
-from twin.control.controllers import BASELINES
+from twin.control.baselines import BASELINES
 from twin.control.fieldwork import FIELD_BASELINES
 from twin.control.judged import MEASURES
 from twin.control.own import AnyController, ControllerSetup
@@ -83,15 +83,16 @@ def drive(
     state, alive = own.started(driver, env.num_envs, name), np.ones(env.num_envs, dtype=np.bool_)
     names = [entry_.name for entry_ in env.entries]
     measures = MEASURES[env.episodes.fleet.machine.scenario.name]
-    total, sums = np.zeros(env.num_envs), dict.fromkeys(measures, np.zeros((1, env.num_envs)))
+    sums: dict[str, Array] = {quantity: np.zeros((1, env.num_envs)) for quantity in measures}
+    total = np.zeros(env.num_envs)
     for step in range(steps):
         state, action = own.acted(driver, state, names, observation, told, name)
         observation, reward, stalled, _, info = env.step(action)
         alive &= ~stalled
         total += np.where(alive, reward, 0.0)
         if step >= entry:
-            for name, measure in measures.items():
-                sums[name] = sums[name] + measure.sums(env.episodes, info, alive)
+            for quantity, measure in measures.items():
+                sums[quantity] = sums[quantity] + measure.sums(env.episodes, info, alive)
         progress((step + 1) / steps)
     found = {name: measure.of(sums[name], steps - entry) for name, measure in measures.items()}
     return {"reward": total / steps, **found, "stalled": np.where(alive, 0.0, 1.0)}

@@ -9,9 +9,11 @@ Plough-v1     throttle, gear and hitch of a ploughing tractor, for area and fuel
 Plough-v0     throttle and hitch depth of a ploughing tractor, for slip, depth and work rate
 WheelSlip-v1  motors of both rear wheels, for speed and energy along a line across a slope
 WheelSlip-v0  torque of each rear wheel of an electric tractor that pulls, for slip and sideslip
+
+Each is also registered in the namespace of the package: `twin.env:tractor_twin/Plough-v0`.
 """
 
-from gymnasium import register
+from gymnasium import register, spec
 
 IDS = ("Plough-v0", "WheelSlip-v0", "Plough-v1", "WheelSlip-v1")
 
@@ -39,3 +41,13 @@ register(
     vector_entry_point="twin.env.vector:SlipLineVectorEnv",
     max_episode_steps=1000,
 )
+
+NAMESPACE = "tractor_twin"
+
+for _plain in map(spec, IDS):
+    register(
+        id=f"{NAMESPACE}/{_plain.id}",
+        entry_point=_plain.entry_point,
+        vector_entry_point=_plain.vector_entry_point,
+        max_episode_steps=_plain.max_episode_steps,
+    )

@@ -30,3 +30,11 @@ def add(infos: Infos, values: Mapping[str, ArrayLike], mask: NDArray[np.bool_]) 
     for row, (name, value) in zip(all_values, values.items(), strict=True):
         row[ids] = value
         infos[name], infos[f"_{name}"] = row, concerned
+
+
+def masked(kept: Mapping[str, NDArray[Any]], mask: NDArray[np.bool_]) -> Infos:
+    """Copies of arrays over all tractors, each with the mask beside it."""
+    infos = Infos()
+    for name, values in kept.items():
+        infos[name], infos[f"_{name}"] = values.copy(), mask.copy()
+    return infos

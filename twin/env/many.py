@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 
 from twin.env import grounds
 from twin.env.episodes import REWARD, Episodes, checked
-from twin.env.grounds import Options
-from twin.env.infos import Infos, add, columns
+from twin.env.grounds import Ground, Options
+from twin.env.infos import Infos, add, columns, masked
 from twin.env.rendering import FPS, Camera, Look
+from twin.env.saved_state import EnvState, put_back, state_of
+from twin.env.schedule import Grounds, of_episode, schedules
 from twin.errors import BadInput
 
 RENDER_MODES = ["rgb_array"]
@@ -37,12 +39,18 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
 
+    kept = (
+        "running", "elapsed", "ended", "seen", "generators", "seeds", "counts", "grounds",
+    )  # fmt: skip
+    """What changes in it beside its episodes."""
+
     def _hold(
         self,
         episodes: Episodes,
         look: Look,
         max_episode_steps: int | None,
         mode: AutoresetMode,
+        grounds: Grounds = None,
     ) -> None:
         """Set what every environment has; called at the end of a constructor."""
         self.episodes, self.look, self.render_mode = episodes, look, look.render_mode
@@ -54,7 +62,10 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
         self.single_action_space = episodes.action_space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
+        self.schedules = schedules(grounds, num_envs, episodes.recipe)
+        self.counts, self.grounds = [0] * num_envs, Infos()
         self.generators: list[Generator | None] = [None] * num_envs
+        self.seeds: list[int | None] = [None] * num_envs
         self.elapsed = np.zeros(num_envs, dtype=np.int64)
         self.ended = np.zeros(num_envs, dtype=np.bool_)
         self.seen = np.zeros(self.observation_space.shape or (), dtype=np.float32)
@@ -84,6 +95,7 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
         infos = self._begin(mask, chosen)
         self.running = True
         add(infos, self._look(mask), mask)
+        add(infos, dict.fromkeys(self.episodes.rewarded, 0.0), mask)
         return self.seen.copy(), infos
 
     def step(self, actions: NDArray[np.float32]) -> Stepped:
@@ -104,19 +116,21 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
         self.running = False  # until the step has gone well
         terminations = self.episodes.advance(taken) & ~again
         self.elapsed += 1
-        infos = self._begin(again, {}) if again.any() else {}
+        if again.any():
+            self._begin(again, {})
         truncations = np.zeros(self.num_envs, dtype=np.bool_)
         if self.limit is not None:
             truncations = self.elapsed >= self.limit
         self.running, self.ended = True, terminations | truncations
         self.seen = self.episodes.look()
-        terms = self.episodes.told(self.episodes.rewarded)
-        known = self.episodes.told(self.episodes.known)
-        rewards = np.where(again, 0.0, self.episodes.told([REWARD])[REWARD])
-        add(infos, {name: value[~again] for name, value in terms.items()}, ~again)
-        add(infos, known, np.ones(self.num_envs, dtype=np.bool_))
+        told = self.episodes.told((*self.episodes.known, *self.episodes.rewarded, REWARD))
+        told = {n: np.where(again, 0.0, v) if n.startswith(REWARD) else v for n, v in told.items()}
+        rewards = told.pop(REWARD)
+        infos, everyone = Infos(), np.ones(self.num_envs, dtype=np.bool_)
+        add(infos, told, everyone)
+        infos |= masked(self.grounds, everyone)
         if self.mode is AutoresetMode.SAME_STEP and self.ended.any():
-            self._begin_at_once(self.ended.copy(), known | terms, infos)
+            self._begin_at_once(self.ended.copy(), told, infos)
         return self.seen.copy(), rewards, terminations, truncations, infos
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
@@ -164,16 +178,56 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
         for i in np.flatnonzero(mask).tolist():
             own = None if seed is None else seed[i]
             if own is not None or self.generators[i] is None:
-                self.generators[i] = seeding.np_random(own)[0]
+                self.generators[i], self.seeds[i] = seeding.np_random(own)
+
+    @property
+    def np_random_seed(self) -> tuple[int | None, ...]:  # type: ignore[override]
+        """The seed of each tractor's generator, as other vector environments report them."""
+        return tuple(self.seeds)
+
+    @property  # type: ignore[misc]
+    def np_random(self) -> tuple[Generator | None, ...]:  # type: ignore[override]
+        """Each tractor's generator."""
+        return tuple(self.generators)
+
+    def get_state(self) -> EnvState:
+        """All that changes, copied; `set_state` goes on from it to the bit. It can be pickled."""
+        return state_of(self, self.kept)
+
+    def set_state(self, state: EnvState) -> None:
+        """Go back to a state. Raises BadInput for one of other arguments."""
+        put_back(self, state)
+
+    def __getstate__(self) -> Infos:
+        """The arguments and the state, so that a copy goes on within the episodes."""
+        return {**super().__getstate__(), "state": self.get_state()}
+
+    def __setstate__(self, made_of: Infos) -> None:
+        """Made anew, and put into the state."""
+        super().__setstate__(made_of)
+        self.set_state(made_of["state"])
 
     def _begin(self, mask: NDArray[np.bool_], options: Options) -> Infos:
         """New episodes of the tractors in the mask; their grounds as infos."""
         ids = np.flatnonzero(mask).tolist()
-        shapes, recipe = self.episodes.shapes, self.episodes.recipe
-        drawn = [grounds.draw(g, options, shapes, recipe) for i in ids if (g := self.generators[i])]
+        drawn = [
+            self._drawn(i, generator, options) for i in ids if (generator := self.generators[i])
+        ]
         self.episodes.begin(ids, drawn)
         self.elapsed[mask], self.ended[mask] = 0, False
-        return columns([ground.info(recipe) for ground in drawn], ids, mask)
+        for i in ids:
+            self.counts[i] += 1
+        infos = columns([ground.info(self.episodes.recipe) for ground in drawn], ids, mask)
+        for name, column in infos.items():
+            if not name.startswith("_"):
+                self.grounds.setdefault(name, column.copy())[mask] = column[mask]
+        return infos
+
+    def _drawn(self, i: int, generator: Generator, options: Options) -> Ground:
+        """A ground for one tractor, by its schedule and the options of a reset."""
+        recipe = self.episodes.recipe
+        scheduled = of_episode(self.schedules[i], self.counts[i], generator, recipe)
+        return grounds.draw(generator, scheduled | options, self.episodes.shapes, recipe)
 
     def _look(self, mask: NDArray[np.bool_]) -> Infos:
         """Observe the tractors in the mask, who have just begun; what is known of them."""
@@ -187,11 +241,12 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
         for i in np.flatnonzero(ended):
             final[i] = self.seen[i].copy()
         add(final_info, {name: value[ended] for name, value in last.items()}, ended)
-        infos |= self._begin(ended, {})
+        final_info |= masked(self.grounds, ended)
+        self._begin(ended, {})
         for name, value in self._look(ended).items():
             infos[name][ended] = value
-        for name in last:
-            if name.startswith("reward_"):
-                infos[name][ended], infos[f"_{name}"] = 0.0, infos[f"_{name}"] & ~ended
+        for name in self.episodes.rewarded:
+            infos[name][ended] = 0.0
+        infos |= masked(self.grounds, np.ones_like(ended))
         infos |= {"final_obs": final, "_final_obs": ended}
         infos |= {"final_info": final_info, "_final_info": ended.copy()}

@@ -6,6 +6,7 @@ from gymnasium.utils import EzPickle
 
 from twin.env.ploughing import Ploughing
 from twin.env.rendering import Look
+from twin.env.schedule import Grounds
 from twin.env.single import RENDER_MODES, SingleEnv
 from twin.scenario import Scenario
 
@@ -40,6 +41,7 @@ class PloughEnv(SingleEnv):
     | `width`, `height` | 640, 480 | of the picture or the window [px], 16 to 4096 |
     | `machine` | "taishan_1404a" | the tractor: a name of `twin list`, or a file |
     | `implement` | None | its implement: a name of `twin list`, or a file; None for its usual one |
+    | `grounds` | None | what of the ground is fixed or scheduled: a dict of `reset`'s options for every episode; a function (episode, generator) -> dict, where `episode` counts from 0; in a vector environment also a list with one of these for each tractor. Autoreset keeps it, and `reset`'s own options come before it |
     | `camera` | "follow" | viewpoint: "follow" (behind, to the left), "side", "behind", "front" or "top"; it stays with the tractor |
 
     ## Actions: `Box(-1, 1, (2,), float32)`, values outside are taken as the bound
@@ -139,7 +141,7 @@ class PloughEnv(SingleEnv):
     | slip | 0.25 / (1 + ((slip - target) / 0.05)^2) | (0, 0.25] |
     | depth | 0.25 / (1 + ((depth - target) / 0.03 m)^2) | (0, 0.25] |
 
-    None is negative, so stalling never pays. Each is in `info` as `reward_<term>`, beside `slip`,
+    None is negative, so stalling never pays. Each is in `info` as `reward_<term>` (0 after a reset), beside `slip`,
     `depth_m`, `speed_mps`, `draft_n`, `work_rate_haph`, `traction_efficiency`, `fuel_lph` (ASABE
     D497.7's fuel at the engine's power and speed, see `twin.machine.fuel`), and after a reset the
     ground by the names of the options below. No term of the reward uses the fuel.
@@ -193,13 +195,14 @@ class PloughEnv(SingleEnv):
         camera: str = "follow",
         machine: str = Scenario.machine,
         implement: str | None = None,
+        grounds: Grounds = None,
     ) -> None:
         EzPickle.__init__(
             self, observation, estimator, depth_m, slip_target, render_mode, width, height, camera,
-            machine, implement,
+            machine, implement, grounds,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         episodes = Ploughing(
             observation, estimator, depth_m, slip_target, machine=machine, implement=implement
         )
-        self._hold(episodes, look)
+        self._hold(episodes, look, grounds)

@@ -6,6 +6,7 @@ from gymnasium.utils import EzPickle
 
 from twin.env.fieldwork import FieldWork
 from twin.env.rendering import Look
+from twin.env.schedule import Grounds
 from twin.env.single import RENDER_MODES, SingleEnv
 from twin.scenario import Scenario
 
@@ -41,6 +42,7 @@ class PloughFieldEnv(SingleEnv):
     | `width`, `height` | 640, 480 | of the picture or the window [px], 16 to 4096 |
     | `machine` | "taishan_1404a" | the tractor: a name of `twin list`, or a file |
     | `implement` | None | its implement: a name of `twin list`, or a file; None for its usual one |
+    | `grounds` | None | what of the ground is fixed or scheduled: a dict of `reset`'s options for every episode; a function (episode, generator) -> dict, where `episode` counts from 0; in a vector environment also a list with one of these for each tractor. Autoreset keeps it, and `reset`'s own options come before it |
     | `camera` | "follow" | viewpoint: "follow" (behind, to the left), "side", "behind", "front" or "top"; it stays with the tractor |
 
     ## Actions: `Box(-1, 1, (4,), float32)`, values outside are taken as the bound
@@ -147,13 +149,14 @@ class PloughFieldEnv(SingleEnv):
         camera: str = "follow",
         machine: str = Scenario.machine,
         implement: str | None = None,
+        grounds: Grounds = None,
     ) -> None:
         EzPickle.__init__(
             self, observation, estimator, depth_m, law, render_mode, width, height, camera,
-            machine, implement,
+            machine, implement, grounds,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         episodes = FieldWork(
             observation, estimator, depth_m, law, machine=machine, implement=implement
         )
-        self._hold(episodes, look)
+        self._hold(episodes, look, grounds)

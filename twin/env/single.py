@@ -17,6 +17,8 @@ from twin.env.episodes import REWARD, Episodes, checked
 from twin.env.grounds import Options
 from twin.env.infos import Infos
 from twin.env.rendering import FPS, Look, Screen, screen
+from twin.env.saved_state import EnvState, put_back, state_of
+from twin.env.schedule import Grounds, of_episode, schedules
 from twin.errors import BadInput
 
 RENDER_MODES = ["rgb_array", "human"]
@@ -43,15 +45,20 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
 
     metadata = {"render_modes": RENDER_MODES, "render_fps": FPS}  # noqa: RUF012  Gymnasium's name
 
-    def _hold(self, episodes: Episodes, look: Look) -> None:
+    kept = ("running", "ended", "count", "ground", "_np_random", "_np_random_seed")
+    """What changes in it beside its episodes."""
+
+    def _hold(self, episodes: Episodes, look: Look, grounds: Grounds = None) -> None:
         """Set what every environment has; called at the end of a constructor."""
+        (self.schedule,) = schedules(grounds, 1, episodes.recipe)
         self.episodes, self.look, self.render_mode = episodes, look, look.render_mode
         self.entries = episodes.entries
         self.observation_space = episodes.observation_space
         self.action_space = episodes.action_space
         self.told = (*episodes.known, *episodes.rewarded, REWARD)
         self.screen: Screen | None = None
-        self.running = False
+        self.running = self.ended = False
+        self.count, self.ground = 0, Infos()
 
     def reset(
         self, *, seed: int | None = None, options: Options | None = None
@@ -64,13 +71,15 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         recipe = self.episodes.recipe
         chosen = grounds.check_options(options, recipe)
         super().reset(seed=seed)
+        chosen = of_episode(self.schedule, self.count, self.np_random, recipe) | chosen
         ground = grounds.draw(self.np_random, chosen, self.episodes.shapes, recipe)
         self.episodes.begin([0], [ground])
-        self.running = True
+        self.running, self.ended = True, False
+        self.count, self.ground = self.count + 1, ground.info(recipe)
         (observation,) = self.episodes.look()
-        info = self._told(self.episodes.known)
+        info = self._told(self.episodes.known) | dict.fromkeys(self.episodes.rewarded, 0.0)
         self._show()
-        return observation, info | ground.info(recipe)
+        return observation, info | self.ground
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, Infos]:
         """Drive for 20 ms.
@@ -78,19 +87,37 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         Raises:
             BadInput: an action of the wrong shape, or one that is not finite.
             Diverged: a state is not finite, or MuJoCo warned; reset to go on.
-            ResetNeeded: there was no reset, or the last step failed.
+            ResetNeeded: there was no reset, the last step failed, or the episode has ended.
         """
         taken = checked(action, (), self.episodes.actions_named)
-        if not self.running:
-            raise ResetNeeded("call reset() before step()")
+        if not self.running or self.ended:
+            why = "the episode has ended; " if self.ended else ""
+            raise ResetNeeded(f"{why}call reset() before step()")
         self.running = False  # until the step has gone well
         stalled = self.episodes.advance(taken)
-        self.running = True
+        self.running, self.ended = True, bool(stalled[0])
         (observation,) = self.episodes.look()
         info = self._told(self.told)
         reward = info.pop(REWARD)
         self._show()
-        return observation, reward, bool(stalled[0]), False, info
+        return observation, reward, self.ended, False, info | self.ground
+
+    def get_state(self) -> EnvState:
+        """All that changes, copied; `set_state` goes on from it to the bit. It can be pickled."""
+        return state_of(self, self.kept)
+
+    def set_state(self, state: EnvState) -> None:
+        """Go back to a state. Raises BadInput for one of other arguments."""
+        put_back(self, state)
+
+    def __getstate__(self) -> Infos:
+        """The arguments and the state, so that a copy goes on within the episode."""
+        return {**super().__getstate__(), "state": self.get_state()}
+
+    def __setstate__(self, made_of: Infos) -> None:
+        """Made anew, and put into the state."""
+        super().__setstate__(made_of)
+        self.set_state(made_of["state"])
 
     def render(self) -> NDArray[np.uint8] | None:
         """Render the tractor in its present state.

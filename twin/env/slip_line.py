@@ -6,6 +6,7 @@ from gymnasium.utils import EzPickle
 
 from twin.env.pulling import USUAL_MACHINE
 from twin.env.rendering import Look
+from twin.env.schedule import Grounds
 from twin.env.single import RENDER_MODES, SingleEnv
 from twin.env.torque_fleet import USUAL_IMPLEMENT
 from twin.env.traction import Traction
@@ -40,6 +41,7 @@ class SlipLineEnv(SingleEnv):
     | `width`, `height` | 640, 480 | of the picture or the window [px], 16 to 4096 |
     | `machine` | "electric_tractor" | a machine with a motor on each rear wheel: a name of `twin list`, or a file |
     | `implement` | "cultivator_light" | what it pulls, by its draft alone: a name of `twin list`, or a file |
+    | `grounds` | None | what of the ground is fixed or scheduled: a dict of `reset`'s options for every episode; a function (episode, generator) -> dict, where `episode` counts from 0; in a vector environment also a list with one of these for each tractor. Autoreset keeps it, and `reset`'s own options come before it |
     | `camera` | "follow" | viewpoint: "follow" (behind, to the left), "side", "behind", "front" or "top"; it stays with the tractor |
 
     ## Actions: `Box(-1, 1, (2,), float32)`, values outside are taken as the bound
@@ -137,11 +139,12 @@ class SlipLineEnv(SingleEnv):
         camera: str = "follow",
         machine: str = USUAL_MACHINE,
         implement: str = USUAL_IMPLEMENT,
+        grounds: Grounds = None,
     ) -> None:
         EzPickle.__init__(
             self, observation, estimator, actuation, render_mode, width, height, camera, machine,
-            implement,
+            implement, grounds,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         episodes = Traction(observation, estimator, actuation, machine=machine, implement=implement)
-        self._hold(episodes, look)
+        self._hold(episodes, look, grounds)

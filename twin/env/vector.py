@@ -15,6 +15,7 @@ from twin.env.many import RENDER_MODES, ManyEnv
 from twin.env.ploughing import Ploughing
 from twin.env.pulling import USUAL_MACHINE, Pulling
 from twin.env.rendering import Look
+from twin.env.schedule import Grounds
 from twin.env.torque_fleet import USUAL_IMPLEMENT
 from twin.env.traction import Traction
 from twin.errors import OutOfRange, UnknownName
@@ -63,17 +64,19 @@ class PloughVectorEnv(ManyEnv):
         camera: str = "follow",
         machine: str = Scenario.machine,
         implement: str | None = None,
+        grounds: Grounds = None,
     ) -> None:
         EzPickle.__init__(
             self, num_envs, max_episode_steps, observation, estimator, depth_m, slip_target,
             render_mode, autoreset_mode, nthread, width, height, camera, machine, implement,
+            grounds,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
         episodes = Ploughing(
             observation, estimator, depth_m, slip_target, num_envs, threads, machine, implement
         )
-        self._hold(episodes, look, max_episode_steps, mode)
+        self._hold(episodes, look, max_episode_steps, mode, grounds)
 
 
 class PloughFieldVectorEnv(ManyEnv):
@@ -101,17 +104,19 @@ class PloughFieldVectorEnv(ManyEnv):
         camera: str = "follow",
         machine: str = Scenario.machine,
         implement: str | None = None,
+        grounds: Grounds = None,
     ) -> None:
         EzPickle.__init__(
             self, num_envs, max_episode_steps, observation, estimator, depth_m, law,
             render_mode, autoreset_mode, nthread, width, height, camera, machine, implement,
+            grounds,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
         episodes = FieldWork(
             observation, estimator, depth_m, law, num_envs, threads, machine, implement
         )
-        self._hold(episodes, look, max_episode_steps, mode)
+        self._hold(episodes, look, max_episode_steps, mode, grounds)
 
 
 class WheelSlipVectorEnv(ManyEnv):
@@ -138,17 +143,19 @@ class WheelSlipVectorEnv(ManyEnv):
         camera: str = "follow",
         machine: str = USUAL_MACHINE,
         implement: str = USUAL_IMPLEMENT,
+        grounds: Grounds = None,
     ) -> None:
         EzPickle.__init__(
             self, num_envs, max_episode_steps, observation, estimator, slip_target,
             render_mode, autoreset_mode, nthread, width, height, camera, machine, implement,
+            grounds,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
         episodes = Pulling(
             observation, estimator, slip_target, num_envs, threads, machine, implement
         )
-        self._hold(episodes, look, max_episode_steps, mode)
+        self._hold(episodes, look, max_episode_steps, mode, grounds)
 
 
 class SlipLineVectorEnv(ManyEnv):
@@ -175,17 +182,19 @@ class SlipLineVectorEnv(ManyEnv):
         camera: str = "follow",
         machine: str = USUAL_MACHINE,
         implement: str = USUAL_IMPLEMENT,
+        grounds: Grounds = None,
     ) -> None:
         EzPickle.__init__(
             self, num_envs, max_episode_steps, observation, estimator, actuation,
             render_mode, autoreset_mode, nthread, width, height, camera, machine, implement,
+            grounds,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         threads, mode = _threads(num_envs, nthread), _mode(autoreset_mode)
         episodes = Traction(
             observation, estimator, actuation, num_envs, threads, machine, implement
         )
-        self._hold(episodes, look, max_episode_steps, mode)
+        self._hold(episodes, look, max_episode_steps, mode, grounds)
 
 
 def _threads(num_envs: int, nthread: int | None) -> int:

@@ -6,6 +6,7 @@ from gymnasium.utils import EzPickle
 
 from twin.env.pulling import USUAL_MACHINE, Pulling
 from twin.env.rendering import Look
+from twin.env.schedule import Grounds
 from twin.env.single import RENDER_MODES, SingleEnv
 from twin.env.torque_fleet import USUAL_IMPLEMENT
 
@@ -38,6 +39,7 @@ class WheelSlipEnv(SingleEnv):
     | `width`, `height` | 640, 480 | of the picture or the window [px], 16 to 4096 |
     | `machine` | "electric_tractor" | a machine with a motor on each rear wheel: a name of `twin list`, or a file |
     | `implement` | "cultivator_light" | what it pulls, by its draft alone: a name of `twin list`, or a file |
+    | `grounds` | None | what of the ground is fixed or scheduled: a dict of `reset`'s options for every episode; a function (episode, generator) -> dict, where `episode` counts from 0; in a vector environment also a list with one of these for each tractor. Autoreset keeps it, and `reset`'s own options come before it |
     | `camera` | "follow" | viewpoint: "follow" (behind, to the left), "side", "behind", "front" or "top"; it stays with the tractor |
 
     ## Actions: `Box(-1, 1, (2,), float32)`, values outside are taken as the bound
@@ -122,7 +124,7 @@ class WheelSlipEnv(SingleEnv):
     | slip_right | 0.35 / (1 + ((slip_rr - target) / 0.05)^2) | (0, 0.35] |
     | sideslip | 0.30 / (1 + (v_y / 0.05 m/s)^2), of the rear axle | (0, 0.30] |
 
-    None is negative, so stalling never pays. Each is in `info` as `reward_<term>`, beside `slip`,
+    None is negative, so stalling never pays. Each is in `info` as `reward_<term>` (0 after a reset), beside `slip`,
     `slip_rl`, `slip_rr`, `speed_mps`, `v_y_rear_mps`, `draft_n`, `traction_efficiency`, and after a
     reset the ground by the names of the options below.
 
@@ -172,13 +174,14 @@ class WheelSlipEnv(SingleEnv):
         camera: str = "follow",
         machine: str = USUAL_MACHINE,
         implement: str = USUAL_IMPLEMENT,
+        grounds: Grounds = None,
     ) -> None:
         EzPickle.__init__(
             self, observation, estimator, slip_target, render_mode, width, height, camera, machine,
-            implement,
+            implement, grounds,
         )  # fmt: skip
         look = Look(render_mode, width, height, camera).check(RENDER_MODES)
         episodes = Pulling(
             observation, estimator, slip_target, machine=machine, implement=implement
         )
-        self._hold(episodes, look)
+        self._hold(episodes, look, grounds)

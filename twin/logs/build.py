@@ -14,6 +14,7 @@ from twin.logs.checks.across import along_course
 from twin.logs.checks.agreement import disagreements
 from twin.logs.checks.cutoff import unknown
 from twin.logs.checks.plausible import check_same_machine
+from twin.logs.checks.reverse import signed
 from twin.logs.column_map import ColumnMap
 from twin.logs.gaps import gap_notes
 from twin.logs.gnss_table import Origin, gnss_table
@@ -109,6 +110,8 @@ def _assembled(
     if "gnss" in tables:
         tables["gnss"], across = along_course(tables["gnss"], mount_rad)
         told.notes += across
+    tables, reversing = signed(tables, mount_rad)
+    told.notes += reversing
     if "wheels" in tables and rows_ns is not None:
         rows_ns = tables["wheels"]["epoch_ns"]
     setup, assumed = _with_blocks(setup, columns_of, tables)

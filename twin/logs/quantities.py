@@ -59,6 +59,7 @@ QUANTITIES: dict[str, dict[str, Quantity]] = {
         **{f"ticks_{w}": Quantity("count", f"ticks_{w}", -(2.0**53), 2.0**53) for w in WHEELS},
         **{f"accel_{w}": Quantity("acceleration", f"accel_{w}_mps2", -500, 500) for w in WHEELS},
         "speed_sd": Quantity("speed", "speed_sd_mps", 0.0),
+        "direction": Quantity("count", "direction", -16.0, 16.0),
     },
     "depth": {
         "laser": Quantity("length", "laser_m", 0.0, 100.0),
@@ -71,6 +72,7 @@ QUANTITIES: dict[str, dict[str, Quantity]] = {
         "axle_torque": Quantity("torque", "axle_torque_nm", -1e6, 1e6),
         "engine_speed": Quantity("angular rate", "engine_radps", 0.0, 1000.0),
         "engine_load": Quantity("ratio", "engine_load", 0.0, 2.5),
+        "engine_torque": Quantity("ratio", "engine_torque", -1.25, 1.25),
         "fuel_rate": Quantity("fuel rate", "fuel_lph", 0.0, 1000.0),
     },
     "reference": {

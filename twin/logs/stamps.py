@@ -19,6 +19,8 @@ from twin.logs.units import UNITS
 
 TIMESTAMP = "timestamp"
 """The unit of a time column that holds date and time: ISO 8601, a stated format, or Arrow's."""
+SETTINGS, SET_BACK_S = 3, 10.0
+"""A clock is set back at most so often in a log, and by at most so much [s]; else it is cut."""
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 _ZONE = r"(Z|z|[+-][0-9]{2}:?[0-9]{2}|[+-][0-9]{2})$"
 Numbered = NDArray[np.int64] | None
@@ -78,6 +80,13 @@ def in_order(
     if kept.all():
         return kept, []
     row = int(np.argmax(~kept))
+    set_back_s = _set_back_s(ns)
+    if set_back_s is not None:
+        told = (
+            f"column {quoted(name)}, row {at[row]}: the clock is set back by {set_back_s:.3g} s;"
+            " the rows until it has caught up"
+        )
+        return kept, [Loss(table, at[~kept], of, told, checked=True)]
     before = ns[:row][kept[:row]]
     was, is_ = (before[-1] if len(before) else ns[kept][0]) * 1e-9, ns[row] * 1e-9
     what = "is repeated" if is_ == was else f"beside {was:.9g} s: out of order"
@@ -85,6 +94,26 @@ def in_order(
     if (~kept).sum() > 1:
         says += _restart(ns)
     return kept, [Loss(table, at[~kept], of, says)]
+
+
+def _set_back_s(ns: NDArray[np.int64]) -> float | None:
+    """By how much a clock that else runs evenly is set back, at most; None for any other disorder.
+
+    At most SETTINGS times, by at most SET_BACK_S, and the next row follows by a usual step.
+    """
+    step = np.diff(ns)
+    back = np.flatnonzero(step < 0)
+    if (
+        not 0 < len(back) <= SETTINGS
+        or len(ns) < 100
+        or np.any(step == 0)
+        or back[-1] + 1 >= len(step)
+    ):
+        return None
+    usual = float(np.median(step))
+    by_s = float(usual - step[back].min()) * 1e-9
+    goes_on = np.all(np.abs(step[back + 1]) < 2.0 * usual)
+    return by_s if goes_on and by_s <= SET_BACK_S else None
 
 
 def _restart(ns: NDArray[np.int64]) -> str:

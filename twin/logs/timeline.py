@@ -44,7 +44,7 @@ def timeline(streams: Streams, estimate: Table | None = None) -> Table:
     epoch_ns = _epochs(streams, estimate)
     rows: Table = {"epoch_ns": epoch_ns, "duration_s": _durations_s(epoch_ns)}
     for name, (times_ns, values) in _measured(streams).items():
-        rows[name] = _brought(times_ns, values, epoch_ns)
+        rows[name] = brought(times_ns, values, epoch_ns)
     rows["yaw_rate_radps"] = _yaw_rate_radps(streams, epoch_ns)
     if estimate is not None:
         rows |= _estimated(estimate, epoch_ns)
@@ -125,7 +125,7 @@ def _means(
     return means
 
 
-def _brought(
+def brought(
     times_ns: NDArray[np.int64], values: Array, epoch_ns: NDArray[np.int64]
 ) -> NDArray[np.float64]:
     """Means over each second, and between the seconds of a slower source linear."""
@@ -147,7 +147,7 @@ def _yaw_rate_radps(streams: Streams, epoch_ns: NDArray[np.int64]) -> NDArray[np
     """From the gyro; else from headings; else from the course of the velocity. Left positive."""
     if np.isfinite(streams.column("imu", "gyro_z_radps")).any():
         rate = streams.column("imu", "gyro_z_radps")
-        return _brought(streams["imu"]["epoch_ns"], rate, epoch_ns)
+        return brought(streams["imu"]["epoch_ns"], rate, epoch_ns)
     angle = streams.column("gnss", "heading_rad")
     if not np.isfinite(angle).any():
         east, north = (streams.column("gnss", f"v_{axis}_mps") for axis in ("east", "north"))

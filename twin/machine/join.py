@@ -10,7 +10,7 @@ from twin.machine.mjcf import machine_spec
 from twin.vehicle.files import mjcf_path
 from twin.vehicle.implement import Implement
 from twin.vehicle.machine import Machine
-from twin.vehicle.numerics import PREFIX, implement_numbers, machine_facts
+from twin.vehicle.numerics import PREFIX, implement_numbers, machine_facts, own_numerics
 
 TOP_LINK_NPM, TOP_LINK_NSPM = 20e6, 200e3
 """A steel tube with the give of its pins and mounts, before an implement of 1470 kg; as stiff in
@@ -28,7 +28,7 @@ def joined(
     """
     machine_facts(machine)  # refuses a MJCF that would not drive
     spec = _read(machine) or machine_spec(machine)
-    numbers = {n.name: float(n.data[0]) for n in spec.numerics}
+    numbers = {n.name: float(n.data[0]) for n in spec.numerics} | own_numerics(machine)
     if part is not None:
         _attach(spec, machine, part)
         numbers |= {PREFIX + name: value for name, value in implement_numbers(part).items()}

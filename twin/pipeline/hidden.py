@@ -5,9 +5,13 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from twin.errors import BadInput
 from twin.io.plain import Plain
 from twin.logs import Log
+from twin.pipeline.drive import phases_of
 from twin.pipeline.estimating import Estimator, all_estimates
 from twin.scores import hidden
 from twin.scores.hidden import Score
@@ -45,9 +49,17 @@ def _of_one(log: Log, estimators: Mapping[str, Estimator], hidden_s: float) -> l
             "speed; a longer log would do"
         )
     errors: dict[str, list[hidden.Errors]] = {name: [] for name in estimators}
+    phases: dict[str, list[NDArray[np.int64]]] = {name: [] for name in estimators}
+    driven = phases_of(log.streams, {})
     for start_ns in places:
         seen = hidden.without_gnss(log.streams, start_ns, hidden_s)
         tables = all_estimates(estimators, log.setup, seen).tables
         for name, table in tables.items():
             errors[name].append(hidden.errors(log.setup, log.streams, table, start_ns, hidden_s))
-    return [hidden.summed_up(name, hidden_s, each) for name, each in errors.items()]
+            rows, _ = hidden.ends(log.setup, log.streams, table, start_ns, hidden_s)
+            if driven is not None:
+                phases[name].append(driven.at(log.streams["gnss"]["epoch_ns"][rows]))
+    return [
+        hidden.summed_up(name, hidden_s, each, phases[name] or None)
+        for name, each in errors.items()
+    ]

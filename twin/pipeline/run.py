@@ -33,6 +33,7 @@ from twin.simulation.course_task import asked_mps
 from twin.simulation.driver import full_depth_m
 from twin.simulation.levers import Controlled, SetLevers
 from twin.simulation.notes import notes, unheld
+from twin.simulation.operator import operated
 from twin.streams import Frames, Setup, Streams, Table, concatenate
 from twin.trajectory.end import End
 from twin.truth import truth
@@ -79,10 +80,10 @@ def run(
         )
         *before, end = ends
         said = notes(machine)
-        if controlled is None:
-            said += unheld(asked_mps(machine), true)
-        else:
+        if controlled is not None:
             said += (f"throttle and hitch in work were set by controller '{controlled.name}'",)
+        elif not operated(scenario):  # else gears and throttle change on the way
+            said += unheld(asked_mps(machine), true)
         said += tuple(f"calibration: {leg}" for leg in before if not leg.as_planned)
     else:
         if controlled is not None:
@@ -169,7 +170,8 @@ def sense(
                 driven_s = float(chunk.epoch_ns[-1] - recording.start_ns) * 1e-9
                 progress(min(1.0, driven_m / course_m), driven_s)
     plough = scenario.plough
-    full_m = None if plough is None else full_depth_m(plough.depth_m, plough.hitch)
+    least_m = scenario.shallowest_m
+    full_m = None if plough is None or least_m is None else full_depth_m(least_m, plough.hitch)
     progress(1.0, driven_s)
     table = truth.integrate(rows.table(), full_m)
     true = {name: np.ascontiguousarray(c) for name, c in table.items()}

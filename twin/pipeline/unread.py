@@ -64,6 +64,14 @@ def _hitch(holds: Callable[[Plough], bool]) -> Met:
     return met
 
 
+def _turns(scenario: Scenario) -> bool:
+    return scenario.course.passes > 1
+
+
+def _does(scenario: Scenario, action: str) -> bool:
+    return any(event.do == action for event in scenario.events)
+
+
 def _mixed(scenario: Scenario) -> bool:
     return scenario.field.mixed
 
@@ -161,6 +169,22 @@ RULES = (
          ("drive.differential_lock",)),
     Rule("a diesel, which the machine has not", lambda s: s.facts.diesel,
          ("drive.exhaust_brake",)),
+    Rule("course.passes above 1", _turns, ("course.headland", "driver.headland_rpm",
+                                           "driver.headland_kmh")),
+    Rule("course.headland = backing, and course.passes above 1",
+         lambda s: _turns(s) and s.course.headland == "backing", ("course.backings",)),
+    Rule("driver.headland_rpm and course.passes above 1",
+         lambda s: _turns(s) and s.driver.headland_rpm is not None, ("driver.headland_rpm_sd",)),
+    Rule("course.road_m above 0", lambda s: s.course.road_m > 0.0,
+         ("driver.road_rpm", "driver.road_kmh")),
+    Rule("an event reverse, or course.headland = backing with course.passes above 1",
+         lambda s: (_turns(s) and s.course.headland == "backing") or _does(s, "reverse"),
+         ("driver.pause_s",)),
+    Rule("gears, which the machine lacks",
+         lambda s: len(s.gearbox.ratios) > 1 and not s.gearbox.stepless, ("driver.shifts",)),
+    Rule("driver.shifts, or an event with a condition",
+         lambda s: s.driver.shifts or any(e.when is not None for e in s.events),
+         ("driver.reaction_s",)),
     Rule("sensors.gnss.coloured_sd_m above 0", _of("gnss", lambda g: g.coloured_sd_m > 0.0),
          ("sensors.gnss.coloured_tau_s",)),
     Rule("an outage long enough for a float solution", _solved(Mode.FLOAT),

@@ -165,6 +165,14 @@ class Scenario:
         return gearbox(self.facts, self.gear)
 
     @property
+    def shallowest_m(self) -> float | None:
+        """Least depth that the implement is set to, by `plough` and by events; None without one."""
+        if self.plough is None:
+            return None
+        set_m = (e.depth_m for e in self.events if e.depth_m is not None)
+        return min((self.plough.depth_m, *set_m))
+
+    @property
     def deepest_m(self) -> float:
         """Depth at which draft and mix lower the implement no further [m]."""
         part = self.implement_file

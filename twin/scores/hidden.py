@@ -6,12 +6,14 @@ seeing. Pure functions on tables and streams.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from twin.scores.phases import SCORED
 from twin.streams import Setup, Streams, Table
 
 Array = NDArray[np.float64]
@@ -46,6 +48,8 @@ class Score:
     """The same of the slip that the receiver's speed and the estimated wheel speed make."""
     in_2sd: float | None
     """Share of these slip errors within twice their sd, with the receiver's own noise in it."""
+    phases: Mapping[str, Mapping[str, float | int | None]] = field(default_factory=dict)
+    """The last four by what was driven at those ends: work, turn, road."""
 
 
 def period_s(hidden_s: float) -> float:
@@ -102,6 +106,30 @@ def speeds(setup: Setup, streams: Streams) -> Array:
     return np.asarray(np.where(quality == 0.0, np.nan, speed))
 
 
+def ends(
+    setup: Setup, streams: Streams, table: Table, start_ns: NDArray[np.int64], hidden_s: float
+) -> tuple[list[int], list[bool]]:
+    """Rows of `gnss` at the ends of the hidden times, and whether the estimator spoke in each.
+
+    The last sample of the receiver that is no newer than the last estimate in the hidden time; a
+    place at whose end the machine does not drive has none.
+    """
+    gnss, epoch_ns = streams["gnss"]["epoch_ns"], table["epoch_ns"]
+    measured = speeds(setup, streams)
+    own = place_of(epoch_ns, start_ns, hidden_s)
+    place = place_of(gnss, start_ns, hidden_s)
+    rows: list[int] = []
+    spoken: list[bool] = []
+    for i in range(len(start_ns)):
+        inside = epoch_ns[own == i]
+        newest = inside.max() if len(inside) else np.iinfo(np.int64).max
+        at = np.flatnonzero((place == i) & (gnss <= newest) & np.isfinite(measured))
+        if len(at) and abs(measured[at[-1]]) > MOVING_MPS:
+            rows.append(int(at[-1]))
+            spoken.append(len(inside) > 0)
+    return rows, spoken
+
+
 def errors(
     setup: Setup, streams: Streams, table: Table, start_ns: NDArray[np.int64], hidden_s: float
 ) -> Errors:
@@ -115,22 +143,12 @@ def errors(
     nothing in it: rows from before or after it foretell nothing. Places at whose ends the machine
     does not drive are left out.
     """
-    gnss, epoch_ns = streams["gnss"]["epoch_ns"], table["epoch_ns"]
+    gnss = streams["gnss"]["epoch_ns"]
     measured = speeds(setup, streams)
+    rows, spoken = ends(setup, streams, table, start_ns, hidden_s)
     sd = streams.column("gnss", "velocity_sd_mps").astype(np.float64)
     told = setup.gnss.velocity_sd_mps if setup.gnss else DEFAULT_SD_MPS
     sd = np.where(sd > 0.0, sd, told)
-    own = place_of(epoch_ns, start_ns, hidden_s)
-    place = place_of(gnss, start_ns, hidden_s)
-    rows: list[int] = []
-    spoken: list[bool] = []
-    for i in range(len(start_ns)):
-        inside = epoch_ns[own == i]
-        newest = inside.max() if len(inside) else np.iinfo(np.int64).max
-        at = np.flatnonzero((place == i) & (gnss <= newest) & np.isfinite(measured))
-        if len(at) and abs(measured[at[-1]]) > MOVING_MPS:
-            rows.append(int(at[-1]))
-            spoken.append(len(inside) > 0)
     true, noise, when = measured[rows], sd[rows], gnss[rows]
     v, w, slip_sd = (
         np.where(spoken, _at(table, name, when), np.nan)
@@ -155,12 +173,36 @@ def _at(table: Table, name: str, epoch_ns: NDArray[np.int64]) -> Array:
     )
 
 
-def summed_up(estimator: str, hidden_s: float, of_passes: list[Errors]) -> Score:
-    """The score of an estimator over the errors of all passes."""
+def summed_up(
+    estimator: str,
+    hidden_s: float,
+    of_passes: list[Errors],
+    phase_of_passes: list[NDArray[np.int64]] | None = None,
+) -> Score:
+    """The score of an estimator over the errors of all passes.
+
+    Args:
+        estimator: its name.
+        hidden_s: how long GNSS was hidden [s].
+        of_passes: its errors in each pass.
+        phase_of_passes: what was driven at each of these ends, where it is known.
+    """
     speed, slip, squared = (np.concatenate(part) for part in zip(*of_passes, strict=True))
+    by_phase = {}
+    if phase_of_passes is not None:
+        code = np.concatenate(phase_of_passes)
+        for name, phase in SCORED.items():
+            if (chosen := code == phase).any():
+                by_phase[name] = _sums(speed[chosen], slip[chosen], squared[chosen])
+    return Score(estimator, hidden_s, **_sums(speed, slip, squared), phases=by_phase)
+
+
+def _sums(speed: Array, slip: Array, squared: Array) -> dict[str, Any]:
     known = squared[np.isfinite(squared)]
     inside = float(np.mean(known <= 4.0)) if len(known) else None
-    return Score(estimator, hidden_s, len(speed), _rms(speed), _rms(slip), inside)
+    return {
+        "n": len(speed), "speed_rms_mps": _rms(speed), "slip_rms": _rms(slip), "in_2sd": inside,
+    }  # fmt: skip
 
 
 def _rms(error: Array) -> float | None:

@@ -23,6 +23,11 @@ HIDDEN_RANKS = {
     COVERAGE: 1,
 }  # fmt: skip
 """The same of the table of what is foretold while GNSS is hidden."""
+HIDDEN_PHASE_RANKS = {
+    "estimator": 0, "hidden [s]": 0, "phase": 0, "times": 3, "speed RMS [m/s]": 0,
+    "slip RMS [%]": 1, COVERAGE: 1,
+}  # fmt: skip
+"""The same of that table by phase."""
 
 PHASE_RANKS = {
     "estimator": 0, "phase": 0, "samples": 3, "slip RMSE [%]": 0, "bias [%]": 2, COVERAGE: 1,
@@ -76,13 +81,13 @@ def phase_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
 
 def left_out_lines(scores: Mapping[str, Plain]) -> list[str]:
     """How many slips are not in the scores, and why; empty where all are."""
-    counts: dict[str, list[str]] = {"n_slow": [], "n_nan": []}
+    counts: dict[str, dict[str, str]] = {"n_slow": {}, "n_nan": {}}
     for name, entry in scores.get("estimators", {}).items():
         slip = (entry or {}).get("slip") or {}
         of = slip.get("n", 0) + slip.get("n_nan", 0) + slip.get("n_slow", 0)
         for key, told in counts.items():
             if slip.get(key):
-                told.append(f"{name} {slip[key]} of {of}")
+                told[name] = f"{slip[key]} of {of}"
     why = {
         "n_slow": f"ground and wheels are slower than {scores.get('driving_mps', 0.0):g} m/s",
         "n_nan": "the estimate or the truth has no value",
@@ -90,14 +95,16 @@ def left_out_lines(scores: Mapping[str, Plain]) -> list[str]:
     return [f"slips left out where {why[k]}: {_listed(told)}" for k, told in counts.items() if told]
 
 
-def _listed(told: Sequence[str]) -> str:
-    """All names under one count where it is the same for all, as it mostly is."""
-    names, numbers = zip(*(each.split(" ", 1) for each in told), strict=True)
-    if len(set(numbers)) == 1 and len(names) > 1:
-        return f"{numbers[0]} of each estimator's" if len(names) > 3 else (
-            f"{numbers[0]} ({', '.join(names)})"
-        )  # fmt: skip
-    return ", ".join(told)
+def _listed(told: Mapping[str, str]) -> str:
+    """Each count once, with the estimators that have it: mostly it is the same for all."""
+    names: dict[str, list[str]] = {}
+    for name, count in told.items():
+        names.setdefault(count, []).append(name)
+    said = [
+        f"{count} ({', '.join(who) if len(who) <= 3 else f'{len(who)} estimators'})"
+        for count, who in names.items()
+    ]
+    return ", ".join(said)
 
 
 def zero_line(scores: Mapping[str, Plain]) -> str | None:
@@ -129,6 +136,24 @@ def hidden_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
         ]
         for each in scores.get("hidden", [])
     ]
+
+
+def hidden_phase_rows(scores: Mapping[str, Plain]) -> list[list[str]]:
+    """The same by what was driven at the ends; none where a single phase was driven."""
+    rows = [
+        [
+            each["estimator"],
+            f"{each['hidden_s']:g}",
+            phase,
+            str(entry["n"]),
+            _text(entry["speed_rms_mps"], 1.0, 3),
+            _text(entry["slip_rms"], 100.0, 2),
+            _text(entry["in_2sd"], 100.0, 1),
+        ]
+        for each in scores.get("hidden", [])
+        for phase, entry in (each.get("phases") or {}).items()
+    ]
+    return rows if len({row[2] for row in rows}) > 1 else []
 
 
 def hidden_notes(scores: Mapping[str, Plain]) -> list[str]:

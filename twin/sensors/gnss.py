@@ -11,6 +11,7 @@ from numpy.random import Generator
 
 from twin.compute.quaternion import cross, rotated
 from twin.sensors.checks import Range, check_fields
+from twin.sensors.doppler import NEVER_NS, axes, motion_left, velocity
 from twin.sensors.fix import QUALITY, Mode, Outage, Timeline, active, check_outages, timeline
 from twin.sensors.noise import (
     Array,
@@ -22,7 +23,7 @@ from twin.sensors.noise import (
     generator,
     smooth,
 )
-from twin.sensors.sampling import Reader, Stamps, arrivals, nothing, read, reader
+from twin.sensors.sampling import Reader, arrivals, nothing, read, reader
 from twin.streams import Table
 
 if TYPE_CHECKING:
@@ -99,13 +100,6 @@ class Gnss:
         return hypot(self.white_sd_m, self.coloured_sd_m)
 
 
-REST_MPS = 0.05
-"""An antenna that is slower than this stands, m/s (assumed: the slowest speed of a slip)."""
-FADE_S = 0.5
-"""Time in which the noise of motion fades after a stop, s. Measured: a speed of 12 mm/s in the
-median 1 s after the wheels stopped, and nothing above the noise of rest after 3 s."""
-NEVER_NS = -(2**62)
-
 COLOURED = ("fixed", "rest", "satellites")
 SMOOTH = ("float", "single")
 WHITE = ("white", "velocity", "heading", "latency")
@@ -129,13 +123,13 @@ class GnssState:
 
 def init(config: Gnss, seed: int, start_ns: int) -> GnssState:
     """The receiver at the start of a run, fixed; the faults' course is drawn here."""
-    axes = _axes(config)
+    each = axes(config)
     processes = {
-        "fixed": (config.coloured_sd_m * axes, config.coloured_tau_s),
-        "float": (config.float_sd_m * axes, config.float_tau_s),
-        "single": (config.single_sd_m * axes, config.single_tau_s),
+        "fixed": (config.coloured_sd_m * each, config.coloured_tau_s),
+        "float": (config.float_sd_m * each, config.float_tau_s),
+        "single": (config.single_sd_m * each, config.single_tau_s),
         "satellites": (np.full(2, 1.0), 60.0),
-        "rest": (axes, config.rest_velocity_tau_s),
+        "rest": (each, config.rest_velocity_tau_s),
     }
     drawn = float(generator(seed, "gnss", "heading bias").standard_normal())
     return GnssState(
@@ -143,7 +137,7 @@ def init(config: Gnss, seed: int, start_ns: int) -> GnssState:
         reader=reader(start_ns, config.rate_hz),
         arrival_ns=start_ns,
         timeline=timeline(
-            config.outages, config.extrapolation_sd_mps * axes, generator(seed, "gnss", "faults")
+            config.outages, config.extrapolation_sd_mps * each, generator(seed, "gnss", "faults")
         ),
         heading_bias_rad=config.heading_bias_rad + config.heading_bias_sd_rad * drawn,
         coloured={n: gauss_markov(generator(seed, "gnss", n), *processes[n]) for n in COLOURED},
@@ -190,8 +184,8 @@ def sample(config: Gnss, state: GnssState, chunk: Trajectory) -> tuple[GnssState
     table: Table = {"epoch_ns": epoch_ns, "arrival_ns": arrival_ns}
     table |= _position(config, state, time_s, at["antenna_main_w"] + arm_w, colours, draws["white"])
     velocity_w = at["antenna_main_velocity_w"] + swing_w
-    moved_ns, motion = _motion(state.moved_ns, epoch_ns, velocity_w)
-    table |= _velocity(config, time_s, velocity_w, motion, draws["velocity"], colours["rest"])
+    moved_ns, motion = motion_left(state.moved_ns, epoch_ns, velocity_w)
+    table |= velocity(config, time_s, velocity_w, motion, draws["velocity"], colours["rest"])
     baseline_w = at["antenna_aux_w"] - at["antenna_main_w"]
     table |= _heading(config, state, time_s, baseline_w, draws["heading"][:, 0])
     table |= _satellites(config, time_s, colours["satellites"])
@@ -204,10 +198,6 @@ def sample(config: Gnss, state: GnssState, chunk: Trajectory) -> tuple[GnssState
         moved_ns=moved_ns,
     )
     return after, table
-
-
-def _axes(config: Gnss) -> Array:
-    return np.array([1.0, 1.0, config.vertical_factor])
 
 
 def _position(
@@ -232,7 +222,7 @@ def _position(
     errors_m = [colours["float"], colours["single"], np.full_like(white, np.nan)]
     fixed_m = colours["fixed"] + drift_mps * kept_s[:, None]
     coloured_m = np.select([m[:, None] for m in modes], errors_m, fixed_m)
-    position_w = antenna_w + config.white_sd_m * _axes(config) * white + coloured_m
+    position_w = antenna_w + config.white_sd_m * axes(config) * white + coloured_m
     known_m = np.hypot(config.coloured_sd_m, config.extrapolation_sd_mps * kept_s)
     sd_m = np.select(modes, [config.float_sd_m, config.single_sd_m, np.nan], known_m)
     return {
@@ -241,41 +231,6 @@ def _position(
         "up_m": position_w[:, 2],
         "quality": QUALITY[mode],
         "position_sd_m": np.hypot(config.white_sd_m, sd_m),
-    }
-
-
-def _motion(moved_ns: int, epoch_ns: Stamps, velocity_w: Array) -> tuple[int, Array]:
-    """When the antenna moved last, and how much of motion's noise is left, shape (n,).
-
-    1 while the antenna's horizontal speed is at least 0.05 m/s, and exp(-t / 0.5 s) after it.
-    """
-    moves = velocity_w[:, 0] ** 2 + velocity_w[:, 1] ** 2 >= REST_MPS**2
-    seen_ns = np.concatenate([[moved_ns], np.where(moves, epoch_ns, NEVER_NS)])
-    last_ns = np.maximum.accumulate(seen_ns)[1:]
-    return int(last_ns[-1]), np.exp(-(epoch_ns - last_ns) * 1e-9 / FADE_S)
-
-
-def _velocity(
-    config: Gnss, time_s: Array, velocity_w: Array, motion: Array, white: Array, rest: Array
-) -> Table:
-    """Doppler velocity of the main antenna; needs no corrections, suffers with few satellites.
-
-        truth + motion sd white + (1 - motion) min(rest sd, sd) coloured
-
-    The reported sd is that of motion, also at rest: receivers are cautious (assumed).
-    """
-    masked = active(config.outages, ("mask",), time_s)
-    factor = np.where(masked, config.masked_velocity_factor, 1.0)
-    factor = np.where(active(config.outages, ("block",), time_s), np.nan, factor)
-    sd_mps = config.velocity_sd_mps * factor
-    rest_sd_mps = min(config.rest_velocity_sd_mps, config.velocity_sd_mps) * factor
-    moving = (motion * sd_mps)[:, None] * _axes(config) * white
-    measured = velocity_w + (moving + ((1.0 - motion) * rest_sd_mps)[:, None] * rest)
-    return {
-        "v_east_mps": measured[:, 0],
-        "v_north_mps": measured[:, 1],
-        "v_up_mps": measured[:, 2],
-        "velocity_sd_mps": sd_mps,
     }
 
 

@@ -163,7 +163,7 @@ def init(config: Imu, seed: int, start_ns: int) -> ImuState:
         scales=Scales(density * np.sqrt(config.internal_rate_hz), limit, limit / 32768.0),
         memory=None,
         felt_from_body=_felt_from_body(config, seed),
-        turn_on=true_bias + _both(config.gyro_bias_sd_radps, config.accel_bias_sd_mps2) * turn_on,
+        turn_on=true_bias + turn_on_sd(config) * turn_on,
         wander=gauss_markov(
             generator(seed, "imu", "wander"),
             instability / PEAK_OF_GAUSS_MARKOV,
@@ -262,6 +262,11 @@ def _felt_from_body(config: Imu, seed: int) -> Array:
     scale = 1.0 + config.scale_error + config.scale_sd * drawn
     felt: Array = scale[:, :, None] * body_from_unit.T
     return felt
+
+
+def turn_on_sd(config: Imu) -> Array:
+    """sd of the turn-on bias of the six channels, gyroscopes first, shape (6,)."""
+    return _both(config.gyro_bias_sd_radps, config.accel_bias_sd_mps2)
 
 
 def _both(gyro: float, accel: float) -> Array:

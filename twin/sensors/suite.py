@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from twin.errors import BadInput
-from twin.sensors import camera, depth, gnss, imu, machine, own, wheels
+from twin.sensors import camera, depth, gnss, ignition, imu, machine, own, wheels
 from twin.sensors.camera import Camera
 from twin.sensors.depth import Depth
 from twin.sensors.faults import Fault, Held, fail
@@ -57,6 +57,8 @@ class Sensors:
     """Camera that looks down at the ground."""
     faults: tuple[Fault, ...] = ()
     """What goes wrong with wires, counters and clocks, and when."""
+    ignition_off_s: ignition.Pairs = ()
+    """When the ignition is off: start from the run's start and duration, pairs [s]."""
     extra: tuple[Sensor, ...] = ()
     """Sensors of your own, on the command line as module:Name."""
 
@@ -64,11 +66,16 @@ class Sensors:
         streams = [sensor.stream for sensor in self.extra]
         if len(set(streams)) < len(streams):
             raise BadInput(f"sensors.extra: two of the streams {', '.join(streams)} are the same")
+        ignition.check(self.ignition_off_s)
+        self.fitted()
 
     def fitted(self) -> dict[str, Fitted]:
         """Configuration of each sensor that is not switched off, by stream."""
         shipped = {name: getattr(self, name) for name in MODULES}
         fitted = {name: config for name, config in shipped.items() if config is not None}
+        if self.ignition_off_s and self.gnss is not None:
+            every = ignition.outages(self.ignition_off_s, self.gnss.outages)
+            fitted["gnss"] = replace(self.gnss, outages=every)
         return fitted | {sensor.stream: sensor for sensor in self.extra}
 
 
@@ -85,6 +92,10 @@ class SuiteState:
     """Instant from which scheduled faults count."""
     held: Mapping[int, Held] = field(default_factory=dict)
     """What faults remember, by their number."""
+    restarts: tuple[ignition.Restart, ...] = ()
+    """Times without ignition."""
+    switched: Mapping[str, ignition.Held] = field(default_factory=dict)
+    """What is remembered of them, by stream."""
 
 
 def init(sensors: Sensors, seed: int, start_ns: int = 0) -> SuiteState:
@@ -97,7 +108,8 @@ def init(sensors: Sensors, seed: int, start_ns: int = 0) -> SuiteState:
     """
     fitted = sensors.fitted().items()
     states = {n: MODULES.get(n, own).init(c, seed, start_ns) for n, c in fitted}
-    return SuiteState(sensors=states, waiting={}, start_ns=start_ns)
+    plan = ignition.restarts(sensors.ignition_off_s, seed, start_ns)
+    return SuiteState(sensors=states, waiting={}, start_ns=start_ns, restarts=plan)
 
 
 def sample(sensors: Sensors, state: SuiteState, chunk: Trajectory) -> tuple[SuiteState, Streams]:
@@ -108,16 +120,21 @@ def sample(sensors: Sensors, state: SuiteState, chunk: Trajectory) -> tuple[Suit
     hands on the same samples in the same order.
     """
     states, waiting, arrived, held = {}, {}, {}, state.held
+    switched = dict(state.switched)
     now_ns = int(chunk.epoch_ns[-1]) if len(chunk) else None
     for name, config in sensors.fitted().items():
         states[name], table = MODULES.get(name, own).sample(config, state.sensors[name], chunk)
         if sensors.faults:
             table, held = fail(sensors.faults, name, table, state.start_ns, held)
+        if state.restarts:
+            imu_sd = imu.turn_on_sd(sensors.imu or Imu())
+            known = switched.get(name, {})
+            table, switched[name] = ignition.switched(state.restarts, name, table, imu_sd, known)
         before = state.waiting.get(name)
         if before is not None and len(before["epoch_ns"]):
             table = {c: np.concatenate([before[c], v]) for c, v in table.items()}
         arrived[name], waiting[name] = _parted(table, now_ns)
-    after = SuiteState(sensors=states, waiting=waiting, start_ns=state.start_ns, held=held)
+    after = replace(state, sensors=states, waiting=waiting, held=held, switched=switched)
     if sensors.camera is None:
         return after, Streams(arrived)
     frames = camera.frames(sensors.camera, states["camera"], arrived["camera"])
@@ -143,11 +160,13 @@ def faults_from(sensors: Sensors, start_s: float) -> Sensors:
     if start_s == 0.0:
         return sensors
     faults = tuple(replace(f, start_s=f.start_s + start_s) for f in sensors.faults)
-    sensors = replace(sensors, faults=faults)
+    off_s = tuple((at_s + start_s, duration_s) for at_s, duration_s in sensors.ignition_off_s)
+    sensors = replace(sensors, faults=faults, ignition_off_s=())
     if sensors.gnss is None:
-        return sensors
+        return replace(sensors, ignition_off_s=off_s)
     outages = tuple(replace(o, start_s=o.start_s + start_s) for o in sensors.gnss.outages)
-    return replace(sensors, gnss=replace(sensors.gnss, outages=outages))
+    moved = replace(sensors.gnss, outages=outages)
+    return replace(sensors, gnss=moved, ignition_off_s=off_s)
 
 
 ERRORS = ("_sd", "noise", "instability", "jitter", "latency", "vibration")

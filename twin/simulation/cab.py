@@ -108,6 +108,8 @@ class Felt(NamedTuple):
     """Ahead; below 0 backwards."""
     load: float
     """Torque over full-load torque."""
+    rim_mps: float = 0.0
+    """w R of the driven wheels."""
 
 
 class Cab(NamedTuple):

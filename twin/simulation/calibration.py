@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.machine.build import Machine
-from twin.scenario import Course, Scenario
+from twin.scenario import Course, Driver, Scenario
 from twin.simulation.build import build
 from twin.simulation.levers import SetLevers
 from twin.simulation.simulate import simulate
@@ -39,6 +39,8 @@ def legs(scenario: Scenario) -> tuple[Scenario, ...]:
             plough=None,
             implement=None,
             implement_numbers=None,
+            driver=Driver(),
+            events=(),
             course=Course(approach_m=0.0, length_m=course.calibration_m, heading_deg=heading_deg),
         )
         for heading_deg in (0.0, 180.0)

@@ -100,15 +100,16 @@ class Operator:
         rpm = float(radps_to_rpm(float(simulation.engine_radps[0])))
         torque_nm = float(simulation.slots[0, TORQUE])
         most_nm = float(full_load_torque_nm(self.driveline.engine, rpm))
-        speed_mps = float(simulation.driven_axle().hub_mps[0])
-        return Felt(rpm, speed_mps, torque_nm / max(most_nm, 1e-3 * abs(torque_nm), 1e-9))
+        axle = simulation.driven_axle()
+        rim_mps, speed_mps = float(axle.wheel_speed_mps[0]), float(axle.hub_mps[0])
+        load = torque_nm / max(most_nm, 1e-3 * abs(torque_nm), 1e-9)
+        return Felt(rpm, speed_mps, load, rim_mps)
 
     def decide(self, seen: Observation, way: Way) -> None:
         """Set the tasks of the interval, and the gear that is driven in it."""
         felt, self.on_road = self.felt(), way.on_road
         self.way_m += felt.speed_mps * DECISION_S
-        axle = self.simulation.driven_axle()
-        rim, hub = float(axle.wheel_speed_mps[0]), felt.speed_mps
+        rim, hub = felt.rim_mps, felt.speed_mps
         now = Now(
             time_s=way.time_s, along_m=seen.along_m, count=way.number, turning=seen.turning,
             backing=way.backing, on_road=way.on_road, speed_mps=felt.speed_mps, way_m=self.way_m,

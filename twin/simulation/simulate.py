@@ -12,7 +12,7 @@ from twin.machine.build import Machine
 from twin.physics.engine import radps_to_rpm
 from twin.scenario.route import LOWERING_M, Leg
 from twin.simulation.columns import Record, Recorder
-from twin.simulation.driver import HitchControl, Observation
+from twin.simulation.driver import HitchControl, Observation, full_depth_m
 from twin.simulation.ends import EndMonitor, Progress
 from twin.simulation.levers import SetLevers
 from twin.simulation.operator import Operator, Way, operated
@@ -37,7 +37,10 @@ class CourseRun:
         self.last: Record | None = None
         task = self.simulation.tasks[0]
         self.ploughs = bool(task["hitch"] != HitchControl.RAISED)
+        least_m, plough = machine.scenario.shallowest_m, machine.scenario.plough
         self.full_depth_m = float(task["full_depth_m"])
+        if plough is not None and least_m is not None and least_m < plough.depth_m:
+            self.full_depth_m = full_depth_m(least_m, plough.hitch)
         self.driver = self.simulation.drivers[0]
         self.passes = Passes(machine, self.simulation.batch)
         self.decisions, self.deepest_m = 0, 0.0
@@ -113,7 +116,9 @@ class CourseRun:
             return
         seen, task = self.simulation.seen[0], self.simulation.tasks[0]
         past = seen["along_m"] >= self.machine.scenario.course.approach_m
-        levers = self.set_levers(self.simulation, self.last, bool(past and not seen["turning"]))
+        pauses = self.operator is not None and (self.operator.pauses or bool(task["lifted"]))
+        works = bool(past and not seen["turning"] and not pauses)
+        levers = self.set_levers(self.simulation, self.last, works)
         self.drivers_own = {}
         if levers is not None:
             set_to = {"throttle": levers.throttle, "work_rad": levers.lift_rad,

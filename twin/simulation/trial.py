@@ -13,7 +13,7 @@ import numpy as np
 
 from twin.machine.build import Machine
 from twin.machine.plough_setting import Setting
-from twin.scenario import Course, Plough, Scenario
+from twin.scenario import Course, Driver, Plough, Scenario
 from twin.simulation.build import build
 from twin.simulation.simulate import simulate
 from twin.trajectory.end import Outcome
@@ -79,7 +79,9 @@ def _expected(scenario: Scenario, plough: Plough) -> Scenario:
         other_share=0.0,
         patches=(),
     )
-    return replace(scenario, soil=soil, field=field, plough=plough, course=COURSE)
+    return replace(
+        scenario, soil=soil, field=field, plough=plough, course=COURSE, driver=Driver(), events=()
+    )
 
 
 def _ploughed(machine: Machine) -> FurrowMeans | None:

@@ -11,7 +11,7 @@ Under pytest each check is a test of its own:
         check(Mine())
 """
 
-from twin.testing.checks import CHECKS, check_estimator
 from twin.testing.drives import Drive, setup, streams
+from twin.testing.suite import CHECKS, check_estimator
 
 __all__ = ["CHECKS", "Drive", "check_estimator", "setup", "streams"]

@@ -9,7 +9,7 @@ import copy
 import dataclasses
 import itertools
 import pickle
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from functools import cache
 
 import numpy as np
@@ -25,18 +25,6 @@ STEADY = Drive(duration_s=8.0, speed=lambda t: 1.6 + 0.0 * t, slip=lambda t: 0.1
 """What every model can explain: constant speed and slip, without pitch or delay."""
 
 
-def _there_and_back(t: Array) -> Array:
-    """Forward at 1.6 m/s, a stop at 5 s, backward at 1 m/s from 9 s on, a stop at 13 s [m/s]."""
-    at_s, speed_mps = [0.0, 4.0, 5.0, 8.0, 9.0, 12.0, 13.0], [1.6, 1.6, 0.0, 0.0, -1.0, -1.0, 0.0]
-    return np.interp(t, at_s, speed_mps)
-
-
-REVERSING = Drive(
-    duration_s=15.0, speed=_there_and_back, slip=lambda t: np.where(t < 6.5, 0.12, -0.12)
-)
-"""Forward, a stop, backward, a stop. The wheels drive, so the slip has the sign of the speed."""
-STOPPED_MPS = 0.15
-"""Median of an estimated speed that no estimator needs a second after a stop [m/s]."""
 SENSORS = ("gnss", "imu", "wheels")
 SETTLED_S = 2.0
 """Time after which an estimate has to be right [s]."""
@@ -244,65 +232,6 @@ def check_honest(estimator: Estimator) -> None:
     share = float(np.concatenate(inside).mean())
     found = f"{share:.0%} of its errors are within two of its sd, 95 % is due"
     assert share > LEAST_COVERAGE, found
-
-
-def check_reverse(estimator: Estimator) -> None:
-    """Through a stop, backward and a stop again slip keeps its sign, and rest is seen as rest."""
-    errors, inside = [], []
-    for seed in range(SEEDS):
-        table, _ = run(estimator, [drives.streams(REVERSING, SETUP, seed)])
-        for name, column in table.items():
-            assert not np.isinf(column).any(), f"through a stop a value of {name} is infinite"
-        t = seconds(table["epoch_ns"])
-        for name in ("speed_mps", "wheel_speed_mps"):
-            for stopped in ((t > 6.0) & (t < 8.0), t > 14.0):
-                found = np.abs(table.get(name, np.zeros(t.shape))[stopped])
-                some = found[np.isfinite(found)]
-                slow = not len(some) or np.median(some) < STOPPED_MPS
-                assert slow, f"a second after a stop {name} is {np.median(some):.2f} m/s"
-        back = (t > 9.5) & (t < 12.0)
-        errors.append((table["slip"] - REVERSING.slip(t))[back])
-        if "slip_sd" in table:
-            known = np.isfinite(errors[-1]) & np.isfinite(table["slip_sd"][back])
-            inside.append((np.abs(errors[-1]) < 2.0 * table["slip_sd"][back])[known])
-    off = float(np.nanmedian(np.abs(np.concatenate(errors))))
-    why = "s = (w R - v) / max(|w R|, |v|) is negative where wheels drive backward"
-    assert off < RIGHT, f"in reverse slip is off by {off:.3f}; {why}"
-    if inside:
-        share = float(np.concatenate(inside).mean())
-        assert share > LEAST_COVERAGE, f"in reverse {share:.0%} of its errors are within two sd"
-
-
-CHECKS: tuple[Callable[[Estimator], None], ...] = (
-    check_columns, check_chunks, check_causal, check_deterministic, check_states,
-    check_input_unchanged, check_absent_sensors, check_absent_columns, check_nan, check_gap,
-    check_time_backwards, check_honest, check_reverse,
-)  # fmt: skip
-
-
-def check_estimator(
-    estimator: Estimator, *, checks: Sequence[Callable[[Estimator], None]] = CHECKS
-) -> None:
-    """Run the checks, and raise one AssertionError that lists all that failed; see `CHECKS`.
-
-    An estimator whose attribute `offline` is True sees the whole log: it need not be causal.
-
-    Args:
-        estimator: with `init(setup) -> state` and `run(state, chunk) -> (state, table)`.
-        checks: those to run.
-
-    Example:
-        >>> from estimators.ratio import RATIO
-        >>> check_estimator(RATIO)
-    """
-    failed = []
-    for check in checks:
-        try:
-            check(estimator)
-        except AssertionError as error:
-            failed.append(f"{check.__name__}: {error}")
-    if failed:
-        raise AssertionError("\n".join(failed))
 
 
 def offline(estimator: Estimator) -> bool:

@@ -72,8 +72,9 @@ NOT_VALIDATED = """\
 * **Repeated passes.** Ruts and compaction under earlier wheels are not simulated. Brixius' law
   knows no sinkage, and slip sinkage only as the part of its motion resistance that grows with slip.
 * **Weather, moisture, residue** have no model: a soil is a set of constants with random variation.
-* **Sensors** are checked against data sheets. The correlation of their errors with the machine's
-  vibration, multipath under trees and the true receivers' filters were not compared with logs.
+* **Sensors** are checked against data sheets, a receiver at rest against one real receiver. The
+  correlation of their errors with the machine's vibration, multipath under trees and the true
+  receivers' filters in motion were not compared with logs.
 * **The catalogue's machines** rest on data sheets as far as they were at hand. Their tyres, tracks,
   ballast and the lead of the front axle are mostly assumed, and what a transmission hands on, .87,
   was chosen with the Nebraska tests in view. Of the implements only ASABE D497's numbers are

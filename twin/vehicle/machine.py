@@ -211,6 +211,15 @@ class Places:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Numeric:
+    """A number of a hand-made MJCF, replaced."""
+
+    name: str
+    """The documented numeric, as `tyre_rear.free_rolling_radius_m`."""
+    value: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Machine:
     """A tractor: what its file says. What is None is derived by a stated rule, see `twin machine`.
 
@@ -229,6 +238,8 @@ class Machine:
     """Their source."""
     mjcf: str | None = None
     """A hand-made MJCF with the documented numerics, beside the file, in place of a made one."""
+    numerics: tuple[Numeric, ...] = ()
+    """Numerics of the hand-made MJCF that have another value here, as a calibration finds it."""
     implement: str | None = None
     """The implement it usually has: a name or a file; None for a plough by its power."""
     mass_kg: Annotated[float | None, Range(20, 60000)] = None
@@ -271,6 +282,8 @@ class Machine:
             check_given(f"ballast.{i}", weight)
         check_given("", self)
         if self.mjcf is None:
+            if self.numerics:
+                raise BadInput("numerics need a hand-made MJCF; the fields of the file would do")
             _check_needed(self)
         for axle in ("front", "rear"):
             if (code := getattr(self, axle).tyre) is not None:

@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from xml.etree import ElementTree
 
-from twin.errors import BadInput
+from twin.errors import BadInput, UnknownName
 from twin.plugins.lookup import line
 from twin.vehicle.derive import RPM, USUAL_KMH, Derived, derive, ratios
 from twin.vehicle.files import mjcf_path
@@ -96,6 +96,7 @@ def _facts(machine: Machine, path: Path | None, stamp: int) -> Facts:
         numbers, linkage = machine_numerics(machine, derive(machine)), machine.linkage.fitted
     else:
         numbers, bodies = _of_mjcf(path)
+        numbers |= own_numerics(machine)
         linkage = "lower_links" in bodies
         carried = sorted(n for n in (*bodies, *numbers) if n.startswith(PREFIX))
         if carried:
@@ -131,6 +132,14 @@ def transmission_kind(machine: Machine) -> str:
     if gears.cvt_ratio is not None:
         return "cvt"
     return "synchronised" if gears.ratios or gears.speeds_kmh else "powershift"
+
+
+def own_numerics(machine: Machine) -> dict[str, float]:
+    """What a file replaces of its hand-made MJCF's numerics, by name."""
+    for numeric in machine.numerics:
+        if numeric.name not in NEEDED:
+            raise UnknownName("numeric", numeric.name, NEEDED)
+    return {numeric.name: numeric.value for numeric in machine.numerics}
 
 
 def _of_mjcf(path: Path) -> tuple[dict[str, float], frozenset[str]]:

@@ -6,7 +6,7 @@ from slides import SETUP, slides
 
 from estimators.sideslip_ekf import SideslipEkf
 from twin.streams import Streams
-from twin.testing.checks import check_estimator
+from twin.testing import check_estimator
 
 
 def estimated(without=(), **how):

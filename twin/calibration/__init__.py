@@ -1,0 +1,1 @@
+"""From a log to a machine and a soil: what it tells of them, and what it cannot tell."""

@@ -1,0 +1,82 @@
+"""What a log measured in each segment, and how well."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.calibration.segments import Segment
+from twin.streams import Table
+
+Array = NDArray[np.float64]
+
+CHANNELS = (
+    "wheel_speed_mps", "front_speed_mps", "speed_mps", "engine_radps", "engine_load",
+    "axle_torque_nm", "draft_pin_n", "fuel_lph",
+)  # fmt: skip
+"""What is compared, where the log has it."""
+TOLERANCES = {
+    "wheel_speed_mps": (0.0005, 0.0005), "front_speed_mps": (0.0005, 0.0005),
+    "speed_mps": (0.0005, 0.001), "engine_radps": (0.001, 0.05), "engine_load": (0.005, 0.002),
+    "axle_torque_nm": (0.005, 50.0), "draft_pin_n": (0.005, 50.0), "fuel_lph": (0.01, 0.05),
+}  # fmt: skip
+"""Least sd of a channel's mean: share of the value, and in its unit. A ground that is rough and
+varies does so much to a model of an even one."""
+MEMORY_S = 6
+"""Noise of work is followed for so long [s]: draft varies over some 4 m."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Means of the channels in each segment."""
+
+    channels: tuple[str, ...]
+    segments: tuple[Segment, ...]
+    measured: Array
+    """Shape (n, c)."""
+    covariance: Array
+    """Of the means. Shape (n, c, c)."""
+    time_s: Array
+    floor: Array
+    """Least sd of each channel. Shape (c,)."""
+
+
+def evidence(rows: Table, segments: list[Segment]) -> Evidence:
+    """The means of segments with their covariance.
+
+    Work: the covariance over long times of rows of a second, with Bartlett's weights, over n. What
+    channels share, as the draft that varies from place to place, is in it. Driving empty: half the
+    mean square of their differences, over n.
+    """
+    channels = tuple(
+        c for c in CHANNELS
+        if c in rows and all(np.isfinite(rows[c][s.rows]).any() for s in segments)
+    )  # fmt: skip
+    table = np.stack([rows[c] for c in channels], axis=1)
+    measured = np.array([np.nanmean(table[s.rows], axis=0) for s in segments])
+    shared = _long_run([table[s.rows] for s in segments if s.working])
+    shares, least = np.array([TOLERANCES[c] for c in channels]).T
+    covariance = []
+    for segment, mean in zip(segments, measured, strict=True):
+        part = table[segment.rows]
+        own = (
+            shared if segment.working else np.diag(0.5 * np.nanmean(np.diff(part, axis=0) ** 2, 0))
+        )
+        covariance.append(own / len(part) + np.diag((shares * np.abs(mean)) ** 2 + least**2))
+    time_s = (rows["epoch_ns"] - rows["epoch_ns"][0]) * 1e-9
+    middle = np.array([np.mean(time_s[s.rows]) for s in segments])
+    return Evidence(channels, tuple(segments), measured, np.array(covariance), middle, least)
+
+
+def _long_run(parts: list[Array]) -> Array:
+    """sum over lags k of (1 - |k| / (K + 1)) Gamma_k, of parts about the mean of all."""
+    mean = np.nanmean(np.concatenate(parts), axis=0)
+    left = [np.nan_to_num(part - mean) for part in parts]
+    total = sum(len(part) for part in left)
+    out = sum(part.T @ part for part in left) / total
+    for lag in range(1, MEMORY_S + 1):
+        gamma = sum(part[lag:].T @ part[:-lag] for part in left if len(part) > lag) / total
+        out = out + (1.0 - lag / (MEMORY_S + 1)) * (gamma + gamma.T)
+    return np.asarray(out)

@@ -1,0 +1,237 @@
+"""Forward model of short logs: the machine itself, driven in a Batch, many parameters side by side.
+
+Every segment is foretold for every set of parameters at once: the compiled machine starts rolling
+in its furrow, or with the plough up, runs until it is steady, and its means are what a sensor would
+have measured. The ground has no roughness and no variation: what those do is noise of the log.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import mujoco
+import numpy as np
+from mujoco.batch import MODEL_FIELDS
+from numpy.typing import NDArray
+
+from twin.calibration.applied import Values, machine_with, soil_with
+from twin.calibration.evidence import Evidence
+from twin.machine.build import Machine, assemble
+from twin.machine.fuel import fuel_lph
+from twin.physics import block
+from twin.physics.block import MachineSlot, WheelSlot
+from twin.scenario import Course, Drive, Field, Plough, Scenario, Soil
+from twin.simulation.build import build
+from twin.simulation.quiet import quiet
+from twin.simulation.simulate import CourseRun
+from twin.simulation.simulation import DECISION_S, Simulation
+from twin.vehicle import Implement
+from twin.vehicle import Machine as Vehicle
+from twin.vehicle.numerics import machine_facts
+
+Array = NDArray[np.float64]
+
+SETTLING_S, HOLD_S = 4.0, 1.0
+"""Time until a machine is steady, and over which its means are taken [s]."""
+AT_WORK_S = 4.0
+"""How long after full depth the state is kept from which rollouts begin [s]."""
+APPROACH_M = 15.0
+LEFT_OUT = ("aabb", "bvh", "rbound")
+"""Fields of a model that no force depends on."""
+
+
+@dataclass(frozen=True)
+class Gear:
+    """A gear, and the parameter that is its engine speed without load."""
+
+    ratio: float
+    set_name: str = "log.set_rpm"
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What is driven alike: all segments of work in one gear, or all of driving empty in it."""
+
+    working: bool
+    gear: Gear
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """One drive that a log implies: what is the same in all its segments."""
+
+    machine: Vehicle
+    implement: Implement | None
+    soil: Soil
+    depth_m: float
+    all_wheel_drive: bool
+    timestep_s: float = 0.002
+
+    def scenario(self, values: Values, gear: Gear) -> Scenario:
+        """The drive with some parameters, in a gear."""
+        machine = machine_with(self.machine, values)
+        soil = replace(soil_with(self.soil, values), draft_cv=0.0, ripple_cv=0.0, strength_cv=0.0)
+        part = self.implement
+        return Scenario(
+            name="calibrate", machine=machine.name, machine_numbers=machine,
+            implement=None if part is None else part.name, implement_numbers=part,
+            plough=None if part is None else Plough(depth_m=self.depth_m), soil=soil, field=Field(),
+            drive=Drive(gear_ratio=gear.ratio, engine_set_rpm=values[gear.set_name],
+                        all_wheel_drive=self.all_wheel_drive),
+            course=Course(approach_m=APPROACH_M, length_m=5000.0), timestep_s=self.timestep_s,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """A machine rolling steadily: where rollouts begin."""
+
+    state: Array
+    driver: np.void
+    pedal: np.void
+
+
+@dataclass
+class Rollouts:
+    """The model: what every segment measures, for many sets of parameters."""
+
+    drawn: Drawn
+    names: tuple[str, ...]
+    evidence: Evidence
+    conditions: tuple[Condition, ...]
+    """Of each segment."""
+    radii_m: tuple[float, float]
+    """Nominal rolling radii in front and behind, by which the log has speeds."""
+    nthread: int = 1
+    fixed: dict[str, float] = field(default_factory=dict)
+    """Parameters that are not fitted."""
+
+    def __post_init__(self) -> None:
+        self.measured = self.evidence.measured
+        self.covariance: Array | None = self.evidence.covariance
+        self.time_s, self.floor = self.evidence.time_s, self.evidence.floor
+        self._started: tuple[Machine, dict[bool, Snapshot]] | None = None
+        self._simulations: dict[int, Simulation] = {}
+
+    def foretold(self, values: Array) -> Array:
+        """The channels in all segments for parameters (k, p): shape (k, n, c)."""
+        sets = [self.fixed | dict(zip(self.names, row.tolist(), strict=True)) for row in values]
+        driven = list(dict.fromkeys(self.conditions))
+        machine, snapshots = self._start(sets[0], driven[0].gear)
+        gears = list(dict.fromkeys(c.gear for c in driven))
+        made = {g: [assemble(self.drawn.scenario(v, g)) for v in sets] for g in gears}
+        machines = [made[c.gear][i] for i in range(len(sets)) for c in driven]
+        count = len(machines)
+        if count not in self._simulations:
+            self._simulations[count] = Simulation(machine, count, self.nthread)
+        simulation = self._simulations[count]
+        working = [c.working for c in driven] * len(sets)
+        _prepare(simulation, machines, [snapshots[w] for w in working], working)
+        with quiet():
+            slots = _means(simulation)
+        found = self._channels(sets, slots.reshape(len(sets), len(driven), -1))
+        return found[:, [driven.index(c) for c in self.conditions]]
+
+    def _start(self, values: dict[str, float], gear: Gear) -> tuple[Machine, dict[bool, Snapshot]]:
+        if self._started is None:
+            machine = build(self.drawn.scenario(values, gear))
+            self._started = machine, _snapshots(machine)
+        return self._started
+
+    def _channels(self, sets: list[dict[str, float]], means: Array) -> Array:
+        """From means of slots (k, n, slots) to the channels of the log."""
+        wheels = means[..., : block.MACHINE_SLOTS].reshape(*means.shape[:2], 4, -1)
+        machine = means[..., block.MACHINE_SLOTS : block.POWER_SLOTS]
+        rate = wheels[..., WheelSlot.RATE_RADPS]
+        engine_radps = machine[..., MachineSlot.ENGINE_RADPS]
+        torque_nm = machine[..., MachineSlot.ENGINE_TORQUE_NM]
+        front_m, rear_m = self.radii_m
+        reference_nm = np.array([v.get("log.reference_torque_nm", 1.0) for v in sets])[:, None]
+        wheel_scale = np.array([v.get("log.wheel_scale", 1.0) for v in sets])[:, None]
+        numbers = [machine_facts(machine_with(self.drawn.machine, v)).numbers for v in sets]
+        fuel = np.array([fuel_lph(n, p, w) for n, p, w in zip(
+            numbers, torque_nm * engine_radps, engine_radps, strict=True)])  # fmt: skip
+        found = {
+            "wheel_speed_mps": rate[..., 2:].mean(axis=-1) * rear_m / wheel_scale,
+            "front_speed_mps": rate[..., :2].mean(axis=-1) * front_m / wheel_scale,
+            "speed_mps": wheels[..., 2:, WheelSlot.SPEED_X_MPS].mean(axis=-1),
+            "engine_radps": engine_radps,
+            "engine_load": torque_nm / reference_nm,
+            "axle_torque_nm": machine[..., MachineSlot.AXLE_TORQUE_NM],
+            "draft_pin_n": machine[..., MachineSlot.DRAFT_N],
+            "fuel_lph": fuel,
+        }
+        return np.stack([found[c] for c in self.evidence.channels], axis=-1)
+
+
+def _snapshots(machine: Machine) -> dict[bool, Snapshot]:
+    """A machine as it rolls with the plough up, and as it ploughs steadily."""
+    run = CourseRun(machine)
+    simulation, kept = run.simulation, {}
+
+    def keep() -> Snapshot:
+        return Snapshot(simulation.state[0].copy(), simulation.drivers[0].copy(),
+                        simulation.pedals[0].copy())  # fmt: skip
+
+    with quiet():
+        for _ in range(round(AT_WORK_S / DECISION_S)):
+            run.act()
+        kept[False] = keep()
+        if machine.scenario.plough is None:
+            return {False: kept[False], True: kept[False]}
+        while not math.isfinite(run.driver["full_depth_at_m"]):
+            run.act()
+        for _ in range(round(AT_WORK_S / DECISION_S)):
+            run.act()
+        kept[True] = keep()
+    return kept
+
+
+def _prepare(
+    simulation: Simulation, machines: list[Machine], starts: list[Snapshot], working: list[bool]
+) -> None:
+    """Put every machine of the Batch at its start."""
+    base = simulation.machine.model
+    for name in _differing(base, [m.model for m in machines]):
+        simulation.batch.expand(name)[:] = [getattr(m.model, name) for m in machines]
+    for i, (machine, start) in enumerate(zip(machines, starts, strict=True)):
+        simulation.batch.warning[i] = 0
+        simulation.state[i] = start.state
+        simulation.drivers[i], simulation.pedals[i] = start.driver, start.pedal
+        simulation.tasks[i]["throttle"] = machine.throttle
+        if not working[i]:
+            simulation.tasks[i]["approach_m"] = math.inf
+    simulation.batch.forward()
+
+
+def _differing(base: mujoco.MjModel, models: list[mujoco.MjModel]) -> list[str]:
+    """Names of the fields in which one of the models is another than the base."""
+    out = ["numeric_data"]
+    for name in MODEL_FIELDS:
+        own = getattr(base, name, None)
+        if (
+            name.startswith("opt.") or name in out or any(w in name for w in LEFT_OUT)
+            or not isinstance(own, np.ndarray) or own.dtype.kind != "f"
+        ):  # fmt: skip
+            continue
+        if any(not np.array_equal(own, getattr(m, name), equal_nan=True) for m in models):
+            out.append(name)
+    return out
+
+
+def _means(simulation: Simulation) -> Array:
+    """Means of all slots over the hold, after settling. NaN where a machine failed."""
+    for _ in range(round(SETTLING_S / DECISION_S)):
+        _advance(simulation)
+    kept = [_advance(simulation) for _ in range(round(HOLD_S / DECISION_S))]
+    means = np.mean(kept, axis=0)
+    means[simulation.warned.any(axis=1)] = np.nan
+    return np.asarray(means)
+
+
+def _advance(simulation: Simulation) -> Array:
+    simulation.observe()
+    simulation.decide()
+    simulation.batch.step(nstep=simulation.steps)
+    return np.array(simulation.slots)
