@@ -8,7 +8,8 @@ what the tuned PI did on that ground, and is changed by hats, first wide and the
 From each round the best plans give the next mean and sd. The simulator itself is what the search
 asks, so the oracle knows all of the ground; it is no bound, but what such a search has found.
 
-`python -m twin.control.oracle [ENV]` plans the held-out grounds and writes the shipped file.
+`python -m twin.control.oracle [ENV]` plans the held-out grounds, 25 at a time, and writes the
+shipped file; it goes on where that file ends. Delete the file to search anew.
 
 Source of the method: Rubinstein and Kroese 2004, The cross-entropy method.
 """
@@ -25,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from twin.control.controllers import Controller
-from twin.control.plans import DURATION_S, FOLDER, KNOT_S, Plans
+from twin.control.plans import DURATION_S, FOLDER, KNOT_S, Plans, shipped
 from twin.control.trials import ENVIRONMENTS, HELD_OUT
 from twin.env import grounds
 from twin.env.episodes import REWARD, Episodes
@@ -77,18 +78,19 @@ def reached(
     episodes.begin(list(range(count)), on)
     seen, state = episodes.look(), controller.init(count)
     alive, total = np.ones(count, dtype=np.bool_), np.zeros(count)
-    names, knots = [entry.name for entry in episodes.entries], []
+    names, knots = [entry.name for entry in episodes.entries], list[Array]()
     for step in range(steps):
         columns = dict(zip(names, seen.T.astype(np.float64), strict=True))
         state, asked = controller.act(state, columns, period_s)
-        actions = np.ascontiguousarray(asked, dtype=np.float32).astype(np.float64)
+        actions: Array = np.ascontiguousarray(asked, dtype=np.float32).astype(np.float64)
         if step % every == 0:
             knots.append(actions.copy())
         alive &= ~episodes.advance(actions)
         seen = episodes.look()
         total += np.where(alive, episodes.told([REWARD])[REWARD], 0.0)
     knots.append(actions.copy())
-    return total / steps, np.stack(knots, axis=1)
+    plans: Array = np.stack(knots, axis=1)
+    return np.asarray(total / steps), plans
 
 
 def hats(count: int, knots: int) -> Array:
@@ -143,7 +145,8 @@ def plan(
                 first = chosen[0, g]
                 if rewards[first, g] > most[g]:
                     most[g], best[g] = rewards[first, g], tried[first, g]
-    return most, best
+    found: tuple[Array, Array] = most, np.asarray(best, dtype=np.float64)
+    return found
 
 
 def written(environment: str, knots: Array, search: Search) -> bytes:
@@ -161,20 +164,19 @@ def written(environment: str, knots: Array, search: Search) -> bytes:
 
 
 def main() -> int:
-    """Plan the held-out grounds of each environment, and write the files."""
+    """Plan the held-out grounds of each environment that its file has no plans of yet."""
     for environment in sys.argv[1:] or SEARCHES:
         (kind, baselines), search = ENVIRONMENTS[environment], SEARCHES[environment]
-        every = kind(TOGETHER * search.population, observation="truth").episodes
-        plans = []
-        for first in range(0, GROUNDS, TOGETHER):
-            on = held_out(every, first, TOGETHER)
-            many = list(on) * search.population
-            rewards, knots = reached(every, many, baselines["pi"])
-            base, pi = knots[:TOGETHER], rewards[:TOGETHER]
-            most, best = plan(every, on, base, search)
+        episodes = kind(TOGETHER * search.population, observation="truth").episodes
+        known = shipped(environment)
+        plans = [] if known is None else [known.knots]
+        for first in range(sum(map(len, plans)), GROUNDS, TOGETHER):
+            on = held_out(episodes, first, TOGETHER)
+            rewards, knots = reached(episodes, on * search.population, baselines["pi"])
+            most, best = plan(episodes, on, knots[:TOGETHER], search)
             plans.append(best)
-            print(f"{environment} from {first}: PI {pi.mean():.4f}, plans {most.mean():.4f}",
-                  flush=True)  # fmt: skip
+            pi = rewards[:TOGETHER].mean()
+            print(f"{environment} from {first}: PI {pi:.4f}, plans {most.mean():.4f}", flush=True)
             content = written(environment, np.concatenate(plans), search)
             write_bytes(FOLDER / f"{environment}.json.gz", content)
     return 0

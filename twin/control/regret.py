@@ -53,7 +53,7 @@ def share(gained: Array, headroom: Array) -> Mean:
     return Mean(ratio, ratio - half, ratio + half, len(gained))
 
 
-def regret_rows(rewards: Mapping[str, Array], tiers: Array) -> Rows:
+def regret_rows(rewards: Mapping[str, Array], tiers: NDArray[np.str_]) -> Rows:
     """The headroom, and each controller's share of it, over all grounds and by tier.
 
     Args:

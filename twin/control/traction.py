@@ -37,4 +37,5 @@ TRACTION_BASELINES: dict[str, Controller] = {
     "constant": ConstantTorque(feed=0.5),
     "pi": TractionPI(feed=0.68, kp=1.11, ki_ps=3.42, slip_set=0.107, line_pm=0.998),
 }
-"""Gains found by `python -m twin.control.tune WheelSlip-v1`."""
+"""Gains of `pi` come from a random search like that of `twin.control.tune`, with fewer grounds;
+those of `constant` are chosen."""
