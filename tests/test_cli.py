@@ -57,6 +57,7 @@ def stub(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Any]:
         estimators: Any,
         progress: Callable[[float, float], None],
         frames: Path | None,
+        controlled: object = None,
     ) -> Any:
         driven.append(scenario)
         progress(1.0, 20.0)
