@@ -15,9 +15,9 @@ from twin.calibration.known import known
 from twin.report.draw import STYLE, Drawing
 
 if TYPE_CHECKING:
-    from twin.calibration.calibrate import Calibration
     from twin.calibration.fitting import Fit
     from twin.calibration.holdout import Holdout
+    from twin.calibration.result import Calibration
 
 Array = NDArray[np.float64]
 MOST_IN_CORNER = 8

@@ -10,7 +10,7 @@ from twin.calibration import figures as drawn
 from twin.report.html import document, figures, made_with, table
 
 if TYPE_CHECKING:
-    from twin.calibration.calibrate import Calibration
+    from twin.calibration.result import Calibration
 
 HEADERS = ("parameter", "value", "95 % from", "to", "before", "unit", "verdict")
 

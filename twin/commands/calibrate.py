@@ -17,7 +17,7 @@ from twin.commands.terminal import say, waiting
 from twin.errors import BadInput
 
 if TYPE_CHECKING:
-    from twin.calibration.calibrate import Calibration
+    from twin.calibration.result import Calibration
 
 
 @dataclass(frozen=True, kw_only=True)

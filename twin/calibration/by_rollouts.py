@@ -1,0 +1,183 @@
+"""A calibration of a fast log: the machine itself is driven, many sets of parameters at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from twin.calibration import gears as found_gears
+from twin.calibration.applied import machine_with, soil_with
+from twin.calibration.by_rows import STEADY_NAMES
+from twin.calibration.evidence import evidence
+from twin.calibration.fitting import Fit, fit
+from twin.calibration.gears import Gear
+from twin.calibration.holdout import Holdout, held_out
+from twin.calibration.known import known
+from twin.calibration.result import Calibration
+from twin.calibration.segments import RULE as SEGMENT_RULE
+from twin.calibration.segments import Segment, segments
+from twin.calibration.steady import Steady
+from twin.calibration.steady_rows import steady_rows
+from twin.calibration.task import (
+    CARRIED_SHARE,
+    Task,
+    fitted_names,
+    gears_of,
+    held_back,
+    mass_kg,
+    prior_of,
+    result_of,
+    torque_of,
+)
+from twin.errors import BadInput
+from twin.vehicle import Machine, files
+from twin.vehicle.derive import RPM
+from twin.vehicle.numerics import machine_facts
+
+Array = NDArray[np.float64]
+
+ROLLOUT_NAMES = (
+    "rear.free_rolling_radius_m", "front.free_rolling_radius_m", "transmission.efficiency",
+    "engine.no_load_rpm", "engine.fuel_l_per_kwh", "soil.cone_index_kpa", "soil.friction",
+    "soil.draft_scale", "soil.mobility_resistance", "log.set_rpm", "log.reference_torque_nm",
+    "log.wheel_scale",
+)  # fmt: skip
+"""What such a log may tell of."""
+
+
+def by_rollouts(task: Task) -> Calibration:
+    """A short log at a fast rate: the machine itself, rolled out."""
+    from twin.calibration.rollouts import Condition, Drawn, Rollouts
+    from twin.calibration.rollouts import Gear as Driven
+
+    gears, ratio, turned = gears_of(task)
+    rows = task.rows
+    chosen = segments(rows)
+    if task.hold_out_s is not None:
+        time_s = (rows["epoch_ns"] - rows["epoch_ns"][0]) * 1e-9
+        first, last = task.hold_out_s
+        chosen = [replace(s, held_back=bool(np.any(
+            (time_s[s.rows] >= first) & (time_s[s.rows] <= last)))) for s in chosen]  # fmt: skip
+    kept, notes = [], []
+    for segment in (s for s in chosen if not s.held_back):
+        if (gear := found_gears.gear_of(float(np.nanmedian(ratio[segment.rows])), gears)) is None:
+            notes.append("a segment whose gear is not found is left out")
+        else:
+            kept.append((segment, gear))
+    if sum(s.working for s, _ in kept) < 2:
+        raise BadInput("fewer than two segments of steady work in a gear are left to fit; drive "
+                       "longer in one gear")  # fmt: skip
+    driven = list(dict.fromkeys(g for _, g in kept))
+    set_names = {g: "log.set_rpm" if i == 0 else f"log.set_rpm.{i + 1}"
+                 for i, g in enumerate(driven)}  # fmt: skip
+    proof = evidence(rows, [s for s, _ in kept])
+    absent = _absent(task, proof.channels, turned)
+    names = list(fitted_names(task, ROLLOUT_NAMES, absent))
+    names += [n for n in set_names.values() if n not in names]
+    if "log.wheel_scale" in names:
+        names = [n for n in names if not n.endswith("radius_m")]
+    exact = {g: _ratio(task, g, turned) for g in driven}
+    own: dict[str, tuple[float, float]] = {
+        name: (1.01 * float(max(np.nanmax(rows["engine_radps"][s.rows]) for s, g in kept
+                                if set_names[g] == name)) / RPM, known(name).spread)
+        for name in set_names.values()
+    }  # fmt: skip
+    numbers = machine_facts(task.machine).numbers
+    peak_nm = numbers["engine.rated_torque_nm"] * numbers["engine.torque_rise"]
+    own |= {"log.reference_torque_nm": (peak_nm, 0.3), "log.wheel_scale": (1.0, 0.03)}
+    part = files.implement(task.implement or files.usual_implement(task.machine)
+                           or _usual(task.machine))  # fmt: skip
+    depth_m = float(np.mean([np.nanmean(rows["depth_m"][s.rows]) for s, _ in kept if s.working])
+                    ) if "depth_m" in rows else float(np.mean(part.depths_m))  # fmt: skip
+    block = task.log.setup.wheels
+    rear_m = numbers["tyre_rear.free_rolling_radius_m"]
+    front_m = numbers["tyre_front.free_rolling_radius_m"]
+    if block is not None and turned:
+        front_m, rear_m = block.radius_m["fl"], block.radius_m["rl"]
+    drawn = Drawn(task.machine, part, task.soil, depth_m, "fl" in task.log.setup.driven)
+    conditions = tuple(Condition(s.working, Driven(exact[g], set_names[g])) for s, g in kept)
+    prior = prior_of(task, names, own)
+    fixed = {n: own[n][0] for n in ("log.reference_torque_nm",) if n not in names}
+    model = Rollouts(drawn, tuple(names), proof, conditions, (front_m, rear_m), task.jobs, fixed)
+    result = fit(model, prior, seed=task.seed, starts=task.starts, told=task.told,
+                 remember=task.memory)  # fmt: skip
+    holdout = _row_holdout(task, result, chosen)
+    if holdout is None:
+        notes.append("the part held back has no rows steady enough to be foretold one by one")
+    return result_of(task, result, gears, proof.channels, proof.measured, proof.time_s,
+                        holdout, SEGMENT_RULE,
+                        notes)  # fmt: skip
+
+
+def _absent(task: Task, channels: Sequence[str], turned: bool) -> list[str]:
+    """Parameters that nothing in the log depends on."""
+    needs = {"engine_load": "log.reference_torque_nm", "fuel_lph": "engine.fuel_l_per_kwh",
+             "front_speed_mps": "front.free_rolling_radius_m"}  # fmt: skip
+    out = [name for channel, name in needs.items() if channel not in channels]
+    if "axle_torque_nm" not in channels and "engine_load" not in channels:
+        out.append("transmission.efficiency")
+    return [*out, "log.wheel_scale"] if turned else out
+
+
+def _ratio(task: Task, gear: Gear, turned: bool) -> float:
+    """The ratio of the machine's file where it has gears, else the log's."""
+    known_ratios = machine_facts(task.machine).ratios
+    if not known_ratios:
+        return gear.ratio
+    return min(known_ratios, key=lambda r: abs(math.log(r / gear.ratio)))
+
+
+def _row_holdout(task: Task, result: Fit, chosen: Sequence[Segment]) -> Holdout | None:
+    """Rows held back, foretold by the soil that was found; the rows' own nuisances are fitted."""
+    try:
+        torque, reference_nm, _, of_axle = torque_of(task)
+        found = steady_rows(task.log, task.rows, torque, steady_mps2=math.inf)
+    except BadInput:
+        return None
+    values, sds = result.values, dict(zip(result.prior.names, np.sqrt(np.diag(result.cov)),
+                                          strict=True))  # fmt: skip
+    held_from = (
+        min(s.rows.start for s in chosen if s.held_back)
+        if any(s.held_back for s in chosen)
+        else len(task.rows["epoch_ns"])
+    )
+    held = held_back(task, found.time_s, found.working) if task.hold_out_s else (
+        found.time_s >= held_from)  # fmt: skip
+    fitted = found.chosen(~held & found.working & np.isfinite(found.ratio))
+    back = found.chosen(held & found.working)
+    if len(fitted) < 6 or len(back) < 3:
+        return None
+    machine, soil = machine_with(task.machine, values), soil_with(task.soil, values)
+    names = tuple(n for n in STEADY_NAMES if n != "engine.fuel_l_per_kwh")
+    numbers = machine_facts(machine).numbers
+    block = task.log.setup.wheels
+    scale = 1.0
+    if block is not None and block.counts_per_turn is not None:
+        scale = numbers["tyre_rear.free_rolling_radius_m"] / block.radius_m["rl"]
+    own = {
+        "log.reference_torque_nm": (values.get("log.reference_torque_nm", reference_nm),
+                                    sds.get("log.reference_torque_nm", 0.15)),
+        "log.wheel_scale": (values.get("log.wheel_scale", scale),
+                            sds.get("rear.free_rolling_radius_m", 0.03)),
+        "log.carried_kg": (CARRIED_SHARE * mass_kg(machine), 0.7),
+    }  # fmt: skip
+    for name in ("soil.cone_index_kpa", "soil.friction", "transmission.efficiency"):
+        if name in values:
+            own[name] = (values[name], float(sds[name]))
+    later = replace(task, machine=machine, soil=soil, parameters=None)
+    driven = "fl" in task.log.setup.driven
+    prior = prior_of(later, names, own)
+    row_fit = fit(Steady(machine, soil, names, fitted, driven, of_axle), prior, seed=task.seed,
+                  starts=1, told=task.told)  # fmt: skip
+    return held_out(Steady(machine, soil, names, back, driven, of_axle), row_fit, fitted, task.seed)
+
+
+def _usual(machine: Machine) -> str:
+    from twin.scenario.scenario import POWERS_KW
+
+    power_kw = 1e-3 * machine_facts(machine).numbers["engine.max_power_w"]
+    return next(name for most_kw, name in POWERS_KW if power_kw <= most_kw)
