@@ -17,7 +17,7 @@ import pytest
 from scenarios.ima_pkf import DISTURBED, Trial
 from twin.errors import BadInput
 from twin.pipeline.run import run
-from twin.scenario import Course, Drive, Field, Patch, Plough, Scenario, Soil
+from twin.scenario import Course, Drive, Event, Field, Patch, Plough, Scenario, Soil
 from twin.scenario.fields import replaced
 from twin.sensors import Camera, Fault, Gnss, Outage, Sensors
 
@@ -32,7 +32,7 @@ OF_THE_FIELD = {
     )
 }  # fmt: skip
 """What the other soil never has of its own: always refused."""
-LISTS = ("field.patches", "sensors.faults", "sensors.gnss.outages")
+LISTS = ("events", "field.patches", "sensors.faults", "sensors.gnss.outages")
 
 ROLLING = Scenario(
     name="rolling",
@@ -45,6 +45,7 @@ PLOUGHING = replaced(
     ROLLING,
     {"plough": Plough(), "course": Course(approach_m=1.0, length_m=1.0), "sensors": Sensors()},
 )
+TURNING = replaced(LONG, {"course.passes": 2})
 OUTAGES = (
     Outage(start_s=0.1, duration_s=0.1, kind="corrections"),
     Outage(start_s=0.3, duration_s=0.2, kind="mask"),
@@ -115,6 +116,50 @@ BASES = {
             )
         },
     ),
+    "told": replaced(
+        ROLLING,
+        {
+            "course.length_m": 5.0,
+            "events": (
+                Event(do="throttle", at_s=0.3, engine_rpm=1500.0),
+                Event(do="clutch", at_s=0.6, pedal=0.7, for_s=0.3),
+                Event(do="lock", at_s=1.0, engaged=False),
+                Event(do="mass", at_s=1.2, tank="seed", mass_kg=300.0, rate_kgps=100.0),
+            ),
+        },
+    ),
+    "shifting": replaced(
+        ROLLING,
+        {
+            "course.length_m": 6.0,
+            "events": (
+                Event(do="shift", at_s=0.3, gear=9),
+                Event(do="shift", at_s=1.3, kmh=4.0),
+                Event(do="shift", at_s=2.3, by=1),
+            ),
+        },
+    ),
+    "stopping": replaced(
+        ROLLING,
+        {
+            "course.length_m": 10.0,
+            "events": (
+                Event(do="stop", at_m=1.0, for_s=0.5),
+                Event(do="reverse", distance_m=1.0),
+                Event(do="stop", at_m=5.0, for_s=1.0),
+                Event(do="mass", when="speed_kmh < 1", mass_kg=100.0, rate_kgps=100.0),
+            ),
+        },
+    ),
+    "deeper": replaced(
+        PLOUGHING,
+        {"course.length_m": 4.0, "events": (Event(do="depth", at_m=2.5, depth_m=0.2),)},
+    ),
+    "turning": replaced(
+        TURNING, {"events": (Event(do="brake", at_m=5.0, in_pass=1, pedal=0.3, for_s=0.3),)}
+    ),
+    "backing": replaced(TURNING, {"course.headland": "backing", "driver.headland_rpm": 1400.0}),
+    "road": replaced(TURNING, {"course.road_m": 20.0}),
     "signals": DISTURBED,
     "downhill": replaced(
         ROLLING, {"field.grade_deg": -15.0, "course.length_m": 8.0, "drive.gear_ratio": 40.0}
@@ -134,6 +179,12 @@ WITNESSES: dict[str, dict[str, object]] = {
         "course.heading_deg": 30.0, "course.start_left_m": 0.0, "course.hold_line": False,
         "soil.strength_cv": 0.2, "soil.draft_scale": Refused(0.5),
         "sensors.gnss": Gnss(), "sensors.camera": Camera(width_px=160, height_px=120),
+        "events": (Event(do="brake", at_s=0.2, pedal=0.5, for_s=0.3),),
+        "driver.starts_standing": True, "driver.reaction_s": Refused(1.0),
+        "driver.pause_s": Refused(1.0), "driver.headland_rpm": Refused(1400.0),
+        "driver.headland_kmh": Refused(3.0), "driver.headland_rpm_sd": Refused(100.0),
+        "driver.road_rpm": Refused(1500.0), "driver.road_kmh": Refused(4.0),
+        "course.headland": Refused("backing"), "course.backings": Refused(2),
     },
     "long": {"course.passes": 2},
     "downhill": {"drive.exhaust_brake": True},
@@ -255,6 +306,7 @@ WITNESSES: dict[str, dict[str, object]] = {
     },
     "stuck": {
         "sensors.gnss.rest_velocity_sd_mps": 0.01, "sensors.gnss.rest_velocity_tau_s": 5.0,
+        "driver.shifts": True,
     },
     "failing": {
         "sensors.gnss.extrapolation_sd_mps": 0.5, "sensors.gnss.float_sd_m": 1.0,
@@ -277,6 +329,27 @@ WITNESSES: dict[str, dict[str, object]] = {
         "sensors.camera.mount_tilt_sd_rad": 0.05, "sensors.camera.odometry": "orb-similarity",
         "sensors.camera.processing_s": 0.1,
     },
+    "told": {
+        "events.0.at_s": 0.4, "events.0.engine_rpm": 1800.0, "events.1.do": "brake",
+        "events.1.pedal": 1.0, "events.1.for_s": 0.4, "events.2.engaged": True,
+        "events.3.mass_kg": 50.0, "events.3.tank": "fuel", "events.3.rate_kgps": 50.0,
+    },
+    "shifting": {"events.0.gear": 11, "events.1.kmh": 8.0, "events.2.by": 2},
+    "stopping": {
+        "events.0.at_m": 1.3, "events.0.for_s": 0.7, "events.0.engine_off": True,
+        "events.1.distance_m": 1.3, "events.3.when": "speed_kmh < 2", "events.3.times": 2,
+        "driver.reaction_s": 0.2, "driver.pause_s": 1.0,
+        "driver.headland_rpm": 1400.0, "driver.headland_kmh": 3.0,
+        "driver.headland_rpm_sd": Refused(100.0),
+    },
+    "deeper": {"events.0.depth_m": 0.15},
+    "turning": {
+        "events.0.in_pass": 2, "course.headland": "backing", "course.backings": Refused(2),
+        "course.road_m": 20.0, "driver.headland_rpm": 1400.0, "driver.headland_kmh": 3.0,
+        "driver.headland_rpm_sd": Refused(100.0),
+    },
+    "backing": {"course.backings": 2, "driver.headland_rpm_sd": 100.0, "driver.pause_s": 1.0},
+    "road": {"driver.road_rpm": 1500.0, "driver.road_kmh": 10.0},
     "signals": {
         "seed": 1, "track": "rough", "disturbance": "none", "disturbed": "truth",
         "noise": "proportional", "wheel_accel": False, "accel_bias_sd_mps2": 0.1,
@@ -326,7 +399,10 @@ def maps(tmp_path, monkeypatch):
 def test_every_field_has_a_witness():
     kept = ("field.other_soil.numbers", "machine_numbers", "implement_numbers")
     fields = {p for p in paths(Scenario) if not p.startswith(kept)}
-    named = {b: {p: not isinstance(v, Refused) for p, v in w.items()} for b, w in WITNESSES.items()}
+    named = {
+        base: {re.sub(r"\.\d+\.", ".0.", p): not isinstance(v, Refused) for p, v in own.items()}
+        for base, own in WITNESSES.items()
+    }
     signals = named.pop("signals")
     turned = {path for own in named.values() for path, turns in own.items() if turns}
     refused = {path for own in named.values() for path, turns in own.items() if not turns}

@@ -16,7 +16,7 @@ import pytest
 
 from twin.errors import TwinError
 from twin.scenario import Course, Drive, Field, Patch, Plough, Scenario, Soil
-from twin.scenario.course import LEAST_APPROACH_M
+from twin.scenario.course import HEADLANDS, LEAST_APPROACH_M
 from twin.scenario.field import MOST_PATCHES, ROUGHNESS
 from twin.scenario.plough import FURROW_SIDES, HITCH_MODES
 from twin.scenario.scenario import STEPS_S
@@ -68,6 +68,7 @@ RANGES = {
         "approach_m": (0.0, 20.0), "length_m": (1.0, 5000.0), "heading_deg": (-180.0, 180.0),
         "start_left_m": (-50.0, 50.0), "hold_line": FLAG, "edge_m": None,
         "passes": (1, 100), "calibration_m": None,
+        "headland": None, "backings": None, "road_m": None,  # drawn by themselves, below
     },
     Scenario: {
         "machine": ("taishan_1404a", "electric_tractor"), "soil": Soil, "field": Field,
@@ -77,12 +78,15 @@ RANGES = {
         "implement": None,  # drawn with the machine, below
         "zero_slip": ("law", "hard-torque", "hard-pull", "field-torque", "field-pull"),
         "machine_numbers": None, "implement_numbers": None,  # kept of files
+        "driver": None, "events": None,  # drawn in tests/long/test_random_events.py
     },
 }  # fmt: skip
 """Every field with its choices (tuple of names or flags), or its range (two floats). Places are
 drawn where five seconds can reach them."""
 HITCHED = tuple(RANGES[Plough])[4:]
 """How the hitch is set, drawn from a stream of its own."""
+BACKINGS, ROADS_M = tuple(range(1, 7)), (1.0, 20000.0)
+"""Of turns and of the road, drawn from the same stream."""
 MAY_FOLLOW_PRESET = tuple(f.name for f in dataclasses.fields(Soil) if f.default is None)
 OTHERS = tuple(n for n in files.machine_names() if n not in RANGES[Scenario]["machine"])
 TOOLS = ("plough_2", "plough_6", "chisel_3m", "subsoiler_3", "cultivator_3m")
@@ -169,6 +173,10 @@ def scenario(seed):
         field["other_share"] = 0.0
     if course["approach_m"] < LEAST_APPROACH_M or not course["hold_line"] or course.get("edge_m"):
         course["passes"] = 1
+    if own.random() < 0.3:
+        course |= {"headland": drawn(own, HEADLANDS), "backings": drawn(own, BACKINGS)}
+    if own.random() < 0.5 and course["passes"] % 2 == 0:
+        course["road_m"] = drawn(own, ROADS_M)
     ground = soil(rng)
     drawn_patches = [patch(rng) for _ in range(rng.integers(MOST_PATCHES + 1))]
     ploughed = simple(rng, Plough, HITCHED) | hitched if ploughs else {}

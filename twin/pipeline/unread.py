@@ -72,6 +72,11 @@ def _does(scenario: Scenario, action: str) -> bool:
     return any(event.do == action for event in scenario.events)
 
 
+def _turns_or_reverses(scenario: Scenario) -> bool:
+    """Where the driver goes at the pace of the headland."""
+    return _turns(scenario) or _does(scenario, "reverse")
+
+
 def _mixed(scenario: Scenario) -> bool:
     return scenario.field.mixed
 
@@ -169,12 +174,14 @@ RULES = (
          ("drive.differential_lock",)),
     Rule("a diesel, which the machine has not", lambda s: s.facts.diesel,
          ("drive.exhaust_brake",)),
-    Rule("course.passes above 1", _turns, ("course.headland", "driver.headland_rpm",
-                                           "driver.headland_kmh")),
+    Rule("course.passes above 1", _turns, ("course.headland",)),
+    Rule("course.passes above 1, or an event reverse", _turns_or_reverses,
+         ("driver.headland_rpm", "driver.headland_kmh")),
     Rule("course.headland = backing, and course.passes above 1",
          lambda s: _turns(s) and s.course.headland == "backing", ("course.backings",)),
-    Rule("driver.headland_rpm and course.passes above 1",
-         lambda s: _turns(s) and s.driver.headland_rpm is not None, ("driver.headland_rpm_sd",)),
+    Rule("driver.headland_rpm, and course.passes above 1 or an event reverse",
+         lambda s: _turns_or_reverses(s) and s.driver.headland_rpm is not None,
+         ("driver.headland_rpm_sd",)),
     Rule("course.road_m above 0", lambda s: s.course.road_m > 0.0,
          ("driver.road_rpm", "driver.road_kmh")),
     Rule("an event reverse, or course.headland = backing with course.passes above 1",

@@ -15,7 +15,8 @@ from twin.simulation.controls import towards, within
 STILL_MPS = 0.05
 """Slower than this the machine stands."""
 THROTTLE_PER_S = 0.5
-"""How fast the throttle is moved [1/s]; assumed."""
+"""How fast the throttle is moved over its travel [1/s]; derived: chosen so that changes of engine
+speed match a log of one New Holland T7.165S (docs/field-days.md), and used for every machine."""
 PRESS_PER_S, FOOT_PER_S = 5.0, 3.0
 """How fast a clutch is opened and a brake pressed [1/s]; assumed."""
 HALT_MPS2 = 1.2
