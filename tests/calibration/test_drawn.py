@@ -74,3 +74,13 @@ def test_what_has_no_posterior_is_refused(
     err = capsys.readouterr().err
     assert said in err
     assert err.count("\n") == 1
+
+
+def test_a_draw_that_no_machine_can_be_is_left_out(machine: Path) -> None:
+    known = json.loads(beside(machine).read_text())
+    known["names"][0] = "transmission.efficiency"  # at most 1
+    known["mean"][0], known["cov"][0][0] = 0.0, 0.01
+    beside(machine).write_text(json.dumps(known))
+    scenario = twin.load("plough-20cm", {"machine": str(machine)})
+    assert isinstance(scenario, twin.Scenario)
+    assert 0 < len(list(drawn(scenario, 20, seed=1))) < 20

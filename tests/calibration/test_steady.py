@@ -53,7 +53,7 @@ def written(folder: Path, minutes: int = 60) -> Path:
     wheel = np.where(work, 2.2, 3.2) + 0.002 * random.standard_normal(count)
     level = 0.55 + 0.2 * random.random(minutes)[time_s // 60]
     torque = np.where(work, level, 0.12)
-    engine = wheel * 99.0 * (1.0 + 0.002 * random.standard_normal(count))
+    engine = wheel * 82.0 * (1.0 + 0.002 * random.standard_normal(count))
     rows = SteadyRows(time_s.astype(float), work, np.ones(count), wheel, engine, torque,
                       torque * engine / wheel, np.ones(count))  # fmt: skip
     model = Steady(files.machine("nh_t7165s"), Soil(preset="tilled"), tuple(TRUE), rows, True)

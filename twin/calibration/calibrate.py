@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -23,7 +24,14 @@ from twin.pipeline.log_check import log_lag
 from twin.scenario import Soil
 from twin.streams import Table
 from twin.vehicle import Machine, files
+from twin.vehicle.derive import RPM
+from twin.vehicle.numerics import machine_facts
 
+DRIVING_MPS = 0.7
+RATIOS = (0.6, 1.25)
+"""Ground over wheel speed while driving: slip of 40 % at most, and a radius that is off."""
+OVER_NO_LOAD = 1.15
+"""No engine turns faster than so many times its no-load speed."""
 FAST_S = 0.3
 """Wheels that are sampled more slowly belong to a log that is fitted in steady rows [s]."""
 
@@ -91,6 +99,7 @@ def calibrate(
         told=told, own=paths[0].is_dir(),
     )  # fmt: skip
     _refuse_without_engine(rows)
+    _refuse_other_machine(known_machine, rows)
     step_s = float(np.median(np.diff(read.streams["wheels"]["epoch_ns"]))) * 1e-9
     found = by_rollouts(task) if step_s < FAST_S else by_rows(task)
     task.memory.forget()
@@ -101,3 +110,23 @@ def _refuse_without_engine(rows: Table) -> None:
     if "engine_radps" not in rows:
         raise BadInput("the log has no engine speed, by which gears are found; map [machine] "
                        "engine_speed")  # fmt: skip
+
+
+def _refuse_other_machine(machine: Machine, rows: Table) -> None:
+    """Refuse speeds that another machine, or another unit, has written."""
+    ground, wheel = rows["speed_mps"], rows["wheel_speed_mps"]
+    with np.errstate(invalid="ignore"):
+        driving = (wheel > DRIVING_MPS) & np.isfinite(ground)
+    ratio = float(np.median(ground[driving] / wheel[driving])) if driving.any() else math.nan
+    if not RATIOS[0] <= ratio <= RATIOS[1]:
+        raise BadInput(
+            f"ground speed is {ratio:.2f} of wheel speed while driving, outside [{RATIOS[0]:g}, "
+            f"{RATIOS[1]:g}]: another machine's map, or another unit; a map of this log would do"
+        )
+    fastest_rpm = float(np.nanquantile(rows["engine_radps"], 0.999)) / RPM
+    most_rpm = OVER_NO_LOAD * machine_facts(machine).numbers["engine.no_load_rpm"]
+    if fastest_rpm > most_rpm:
+        raise BadInput(
+            f"the engine turns at {fastest_rpm:.0f} rpm, and that of {machine.name} no faster than "
+            f"{most_rpm:.0f}; the file of the machine that was driven would do"
+        )

@@ -10,7 +10,7 @@ import numpy as np
 
 from twin.calibration.applied import machine_with, soil_with
 from twin.calibration.posterior import Posterior, beside, read
-from twin.errors import BadInput
+from twin.errors import BadInput, TwinError
 from twin.scenario import Scenario
 
 SOIL_ENDING = ".soil.toml"
@@ -29,16 +29,21 @@ def posterior_of(machine: str) -> Posterior:
 def drawn(scenario: Scenario, count: int, seed: int = 0) -> Iterator[Scenario]:
     """The scenario with machines drawn from the posterior beside its machine's file.
 
-    The soil is drawn, too, where it is the file that was written with the machine.
+    The soil is drawn, too, where it is the file that was written with the machine. A draw that a
+    machine's file could not hold is left out, so that there may be fewer.
     """
     posterior = posterior_of(scenario.machine)
     own_soil = str(Path(scenario.machine).with_suffix(SOIL_ENDING))
     with_soil = Path(scenario.soil.preset) == Path(own_soil)
     base = scenario.machine_file
     for values in posterior.draw(count, seed):
-        machine = machine_with(base, values)
-        soil = soil_with(scenario.soil, values) if with_soil else scenario.soil
-        yield replace(scenario, machine=machine.name, machine_numbers=machine, soil=soil)
+        try:
+            machine = machine_with(base, values)
+            soil = soil_with(scenario.soil, values) if with_soil else scenario.soil
+            made = replace(scenario, machine=machine.name, machine_numbers=machine, soil=soil)
+        except TwinError:
+            continue
+        yield made
 
 
 def bands(truths: list[Mapping[str, float | None]]) -> dict[str, tuple[float, float, float]]:

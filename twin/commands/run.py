@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from twin.simulation.levers import Controlled
 
 DEFAULT_ESTIMATORS = ",".join(public.DEFAULT_ESTIMATORS)
+LEAST_DRAWN = 2
+"""Machines that a band needs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,8 +119,8 @@ def _check_posterior(scenario: Thing, count: int) -> None:
     """Refuse a count that makes no band, and a machine without a posterior."""
     if not count:
         return
-    if count < 2:
-        raise BadInput(f"--posterior {count}: 2 or more would do")
+    if count < LEAST_DRAWN:
+        raise BadInput(f"--posterior {count}: {LEAST_DRAWN} or more would do")
     if not hasattr(scenario, "machine"):
         raise BadInput(f"--posterior {count}: scenario '{scenario.name}' has no machine")
     from twin.calibration.drawn import posterior_of
@@ -132,14 +134,22 @@ def _drawn(scenario: Thing, options: Options, directory: Path) -> None:
     from twin.io.atomic import write_text
     from twin.pipeline.run import run
 
+    machines = list(drawn(scenario, options.posterior, scenario.seed))
+    if len(machines) < LEAST_DRAWN:
+        raise BadInput(
+            f"--posterior {options.posterior}: {len(machines)} of the machines drawn can be; a "
+            "posterior that is narrower would do"
+        )
     truths, shown = [], not (options.quiet or options.json)
     with progress("posterior", shown=shown) as told:
-        for i, each in enumerate(drawn(scenario, options.posterior, scenario.seed)):
+        for i, each in enumerate(machines):
             truths.append(run(each, estimators=load_estimators("ratio")).scores["truth"])
-            told((i + 1) / options.posterior)
+            told((i + 1) / len(machines))
     found = bands(truths)
     write_text(directory / "posterior.json", json.dumps(found, indent=2))
     if shown:
+        if refused := options.posterior - len(machines):
+            say(f"{refused} of {options.posterior} machines drawn cannot be, and are left out")
         for name, (median, low, high) in found.items():
             say(f"{name}: {median:.4g}, {low:.4g} to {high:.4g} (95 % of the machines)")
 
