@@ -100,6 +100,7 @@ BASE = dataclasses.replace(
 )
 SAME = {
     "schema", "name", "about", "grade", "source", "mjcf", "implement", "sources", "folder",
+    "numerics",  # of a hand-made MJCF alone
     "rear_axle_height_m",  # checked against the tyre
     "engine.battery_kwh",  # shown
     "engine.kind", "drive.driven", "engine.regeneration_kw", "ballast.name",

@@ -25,14 +25,13 @@ from numpy.typing import NDArray
 
 from twin.calibration.applied import machine_with, soil_with
 from twin.calibration.steady_rows import SteadyRows
-from twin.compute.compiled import compiled
 from twin.machine.build import assemble
 from twin.machine.fuel import fuel_lph
 from twin.machine.parameters import soil_part
 from twin.physics import block
 from twin.physics.block import Soil as SoilSlot
 from twin.physics.block import Wheel
-from twin.physics.laws import soil_forces
+from twin.physics.steady_slip import slips
 from twin.scenario import Course, Scenario, Soil
 from twin.vehicle import Machine
 from twin.vehicle.derive import GRAVITY_MPS2
@@ -44,44 +43,7 @@ PULL_HEIGHT_M = 0.45
 """Height of the pull above the ground; assumed."""
 BEHIND = 1.3
 """Rear axle's share of what a mounted implement weighs; the front axle is relieved of the rest."""
-LEAST_SLIP, MOST_SLIP = -0.2, 0.95
-HALVINGS = 32
 CHANNELS = ("speed_ratio", "fuel_lph")
-
-
-@compiled
-def slips(
-    soil: Array, wheels: Array, load_n: Array, lead: float, height: float, force_n: Array
-) -> Array:
-    """Slip of the rear wheels at which the driven wheels hand on a force (bisection). Shape (n,).
-
-    Args:
-        soil: its part of the parameter block.
-        wheels: of each wheel, front to rear, (4, Wheel.SIZE).
-        load_n: loads of one front and one rear wheel, standing.
-        lead: rim speed of the front over that of the rear, less 1; NaN where it is not driven.
-        height: height of the pull over the wheelbase.
-        force_n: at the rims, (n,).
-    """
-    out = np.empty(len(force_n))
-    for k in range(len(force_n)):
-        moved_n = 0.5 * height * force_n[k]
-        front_n, rear_n = max(load_n[0] - moved_n, 100.0), load_n[1] + min(moved_n, load_n[0])
-        low, high = LEAST_SLIP, MOST_SLIP
-        for _ in range(HALVINGS):
-            slip = 0.5 * (low + high)
-            shear, _, _, rolling, _ = soil_forces(soil, wheels[2], rear_n, slip, 0.0)
-            handed_n = 2.0 * (shear + rolling)
-            if lead == lead:
-                front = 1.0 - (1.0 - slip) / (1.0 + lead)
-                shear, _, _, rolling, _ = soil_forces(soil, wheels[0], front_n, front, 0.0)
-                handed_n += 2.0 * (shear + rolling)
-            if handed_n > force_n[k]:
-                high = slip
-            else:
-                low = slip
-        out[k] = 0.5 * (low + high)
-    return out
 
 
 @dataclass

@@ -9,8 +9,8 @@ from functools import cached_property
 
 from twin.errors import BadInput, OutOfRange, UnknownName, check_range
 from twin.io.plain import Plain
+from twin.scenario.soil_files import preset as preset_of
 from twin.scenario.soils import LAWS, PRESETS, Deformable, Preset
-from twin.scenario.soils import preset as preset_of
 
 FRICTIONS, CONE_INDICES_KPA = (0.05, 1.5), (50.0, 5000.0)
 """Friction and cone index that a soil may have, on its patches too."""

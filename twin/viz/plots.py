@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import cycle
 
 import numpy as np
 import rerun as rr
@@ -34,6 +35,8 @@ from twin.viz.tools import Array, every, rgba, times
 PLOT_RATE_HZ = 20.0
 FOUR = ("#56B4E9", "#E69F00", "#009E73", "#CC79A7")
 """Four wheels, or axes."""
+MORE = (*FOUR, "#F0E442", "#D55E00", "#0072B2", "#999999")
+"""Any number of curves, in turn."""
 POWERS = {"engine": "engine", "slip_long": "slip", "rolling": "rolling", "drawbar": "drawbar"}
 
 
@@ -72,7 +75,7 @@ def plot_control(recording: rr.RecordingStream, control: Mapping[str, Array]) ->
     names = [name for name in control if name != "epoch_ns"]
     terms = [name for name in names if name.startswith("reward_")]
     for entity, chosen in ((ACTIONS, [n for n in names if n not in terms]), (REWARD, terms)):
-        for column, colour in zip(chosen, FOUR, strict=False):
+        for column, colour in zip(chosen, cycle(MORE), strict=False):
             name = column.removeprefix("reward_")
             _plot(recording, f"{entity}/{name}", control, column, name, colour)
 

@@ -1,0 +1,48 @@
+"""Slip at which driven wheels hand a force on to the soil, in steady driving."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from twin.compute.compiled import compiled
+from twin.physics.laws import soil_forces
+from twin.physics.shapes import Array
+
+LEAST_SLIP, MOST_SLIP = -0.2, 0.95
+"""Between these the slip is sought."""
+HALVINGS = 32
+
+
+@compiled
+def slips(
+    soil: Array, wheels: Array, load_n: Array, lead: float, height: float, force_n: Array
+) -> Array:
+    """Slip of the rear wheels at which the driven wheels hand on a force (bisection). Shape (n,).
+
+    Args:
+        soil: its part of the parameter block.
+        wheels: of each wheel, front to rear, (4, Wheel.SIZE).
+        load_n: loads of one front and one rear wheel, standing.
+        lead: rim speed of the front over that of the rear, less 1; NaN where it is not driven.
+        height: height of the pull over the wheelbase.
+        force_n: at the rims, (n,).
+    """
+    out = np.empty(len(force_n))
+    for k in range(len(force_n)):
+        moved_n = 0.5 * height * force_n[k]
+        front_n, rear_n = max(load_n[0] - moved_n, 100.0), load_n[1] + min(moved_n, load_n[0])
+        low, high = LEAST_SLIP, MOST_SLIP
+        for _ in range(HALVINGS):
+            slip = 0.5 * (low + high)
+            shear, _, _, rolling, _ = soil_forces(soil, wheels[2], rear_n, slip, 0.0)
+            handed_n = 2.0 * (shear + rolling)
+            if lead == lead:
+                front = 1.0 - (1.0 - slip) / (1.0 + lead)
+                shear, _, _, rolling, _ = soil_forces(soil, wheels[0], front_n, front, 0.0)
+                handed_n += 2.0 * (shear + rolling)
+            if handed_n > force_n[k]:
+                high = slip
+            else:
+                low = slip
+        out[k] = 0.5 * (low + high)
+    return out
