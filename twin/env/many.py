@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from gymnasium.error import ResetNeeded
-from gymnasium.utils import EzPickle, seeding
+from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.random import Generator
@@ -18,7 +18,7 @@ from twin.env.episodes import REWARD, Episodes, checked
 from twin.env.grounds import Ground, Options
 from twin.env.infos import Infos, add, columns, masked
 from twin.env.rendering import FPS, Camera, Look
-from twin.env.saved_state import EnvState, put_back, state_of
+from twin.env.saved_state import KeepsState
 from twin.env.schedule import Grounds, of_episode, schedules
 from twin.errors import BadInput
 
@@ -27,7 +27,7 @@ Observations = NDArray[np.float32]
 Stepped = tuple[Observations, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], Infos]
 
 
-class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPickle):
+class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], KeepsState):
     """Vector environment of independent simulations, one tractor each.
 
     A subclass defines machine, observations and reward.
@@ -189,23 +189,6 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], EzPick
     def np_random(self) -> tuple[Generator | None, ...]:  # type: ignore[override]
         """Each tractor's generator."""
         return tuple(self.generators)
-
-    def get_state(self) -> EnvState:
-        """All that changes, copied; `set_state` goes on from it to the bit. It can be pickled."""
-        return state_of(self, self.kept)
-
-    def set_state(self, state: EnvState) -> None:
-        """Go back to a state. Raises BadInput for one of other arguments."""
-        put_back(self, state)
-
-    def __getstate__(self) -> Infos:
-        """The arguments and the state, so that a copy goes on within the episodes."""
-        return {**super().__getstate__(), "state": self.get_state()}
-
-    def __setstate__(self, made_of: Infos) -> None:
-        """Made anew, and put into the state."""
-        super().__setstate__(made_of)
-        self.set_state(made_of["state"])
 
     def _begin(self, mask: NDArray[np.bool_], options: Options) -> Infos:
         """New episodes of the tractors in the mask; their grounds as infos."""

@@ -8,10 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
 from twin.env.episodes import Episodes
 from twin.env.grounds import Ground
+from twin.env.infos import Infos
 from twin.env.instruments import Instruments
 from twin.errors import BadInput
 
@@ -32,7 +34,31 @@ class EnvState:
     """What the environment itself keeps: generators, counts, what was seen last."""
 
 
-def state_of(env: Any, kept: tuple[str, ...]) -> EnvState:
+class KeepsState(EzPickle):
+    """An environment that can be saved, branched, pickled and copied within an episode."""
+
+    kept: tuple[str, ...]
+    """Names of what changes in it beside its episodes."""
+
+    def get_state(self) -> EnvState:
+        """All that changes, copied; `set_state` goes on from it to the bit. It can be pickled."""
+        return _state_of(self, self.kept)
+
+    def set_state(self, state: EnvState) -> None:
+        """Go back to a state. Raises BadInput for one of other arguments."""
+        _put_back(self, state)
+
+    def __getstate__(self) -> Infos:
+        """The arguments and the state, so that a copy goes on within the episode."""
+        return {**super().__getstate__(), "state": self.get_state()}
+
+    def __setstate__(self, made_of: Infos) -> None:
+        """Made anew, and put into the state."""
+        super().__setstate__(made_of)
+        self.set_state(made_of["state"])
+
+
+def _state_of(env: Any, kept: tuple[str, ...]) -> EnvState:
     """The state of an environment, copied.
 
     Args:
@@ -49,7 +75,7 @@ def state_of(env: Any, kept: tuple[str, ...]) -> EnvState:
     )
 
 
-def put_back(env: Any, state: EnvState) -> None:
+def _put_back(env: Any, state: EnvState) -> None:
     """Put an environment of the same arguments into a state.
 
     Raises:

@@ -9,7 +9,6 @@ import gymnasium
 import numpy as np
 from gymnasium import Env
 from gymnasium.error import ResetNeeded
-from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
 from twin.env import grounds
@@ -17,7 +16,7 @@ from twin.env.episodes import REWARD, Episodes, checked
 from twin.env.grounds import Options
 from twin.env.infos import Infos
 from twin.env.rendering import FPS, Look, Screen, screen
-from twin.env.saved_state import EnvState, put_back, state_of
+from twin.env.saved_state import KeepsState
 from twin.env.schedule import Grounds, of_episode, schedules
 from twin.errors import BadInput
 
@@ -40,7 +39,7 @@ def episodes_of(env: OneEnv) -> Episodes:
     return env.unwrapped.episodes
 
 
-class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
+class SingleEnv(Env[Observation, NDArray[np.float32]], KeepsState):
     """Environment of one tractor; a subclass defines machine, observations and reward."""
 
     metadata = {"render_modes": RENDER_MODES, "render_fps": FPS}  # noqa: RUF012  Gymnasium's name
@@ -101,23 +100,6 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], EzPickle):
         reward = info.pop(REWARD)
         self._show()
         return observation, reward, self.ended, False, info | self.ground
-
-    def get_state(self) -> EnvState:
-        """All that changes, copied; `set_state` goes on from it to the bit. It can be pickled."""
-        return state_of(self, self.kept)
-
-    def set_state(self, state: EnvState) -> None:
-        """Go back to a state. Raises BadInput for one of other arguments."""
-        put_back(self, state)
-
-    def __getstate__(self) -> Infos:
-        """The arguments and the state, so that a copy goes on within the episode."""
-        return {**super().__getstate__(), "state": self.get_state()}
-
-    def __setstate__(self, made_of: Infos) -> None:
-        """Made anew, and put into the state."""
-        super().__setstate__(made_of)
-        self.set_state(made_of["state"])
 
     def render(self) -> NDArray[np.uint8] | None:
         """Render the tractor in its present state.
