@@ -142,8 +142,9 @@ def _drawn(scenario: Thing, options: Options, directory: Path) -> None:
         )
     truths, shown = [], not (options.quiet or options.json)
     with progress("posterior", shown=shown) as told:
+        estimators = load_estimators("ratio")
         for i, each in enumerate(machines):
-            truths.append(run(each, estimators=load_estimators("ratio")).scores["truth"])
+            truths.append(run(each, estimators=estimators).scores["truth"])
             told((i + 1) / len(machines))
     found = bands(truths)
     write_text(directory / "posterior.json", json.dumps(found, indent=2))

@@ -59,6 +59,14 @@ def slip_error(seen: Seen) -> Array:
     return seen["slip"] - seen["slip_target"]
 
 
+def relieved(
+    integral_m: Array, error: Array, kp_m: Gain, ki_mps: Gain, period_s: float
+) -> tuple[Array, Array]:
+    """Integral part, and whole relief of a PI on slip [m], both within the relief's range."""
+    held = np.clip(integral_m + ki_mps * error * period_s, 0.0, MOST_RELIEF_M)
+    return held, np.clip(kp_m * error + held, 0.0, MOST_RELIEF_M)
+
+
 def draft_n(seen: Seen) -> Array:
     """The draft by the pin in the hitch, or the true one where that is what is seen [N]."""
     return seen["draft_pin_n"] if "draft_pin_n" in seen else seen["draft_n"]
@@ -96,9 +104,10 @@ class PI:
 
     def act(self, state: Array, seen: Seen, period_s: float) -> tuple[Array, Array]:
         """One period."""
-        error, gain = slip_error(seen), self.gain(seen)
-        integral = np.clip(state + gain * self.ki_mps * error * period_s, 0.0, MOST_RELIEF_M)
-        relief_m = np.clip(gain * self.kp_m * error + integral, 0.0, MOST_RELIEF_M)
+        gain = self.gain(seen)
+        integral, relief_m = relieved(
+            state, slip_error(seen), gain * self.kp_m, gain * self.ki_mps, period_s
+        )
         return integral, actions(self.throttle, seen["depth_target_m"] + self.trim_m - relief_m)
 
     def gain(self, seen: Seen) -> Gain:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from twin.control.controllers import MOST_RELIEF_M, Array, Controller, Gain, Seen, actions
+from twin.control.controllers import Array, Controller, Gain, Seen, actions, relieved
 
 
 def field_actions(throttle: Gain, gear: Gain, depth_set_m: Array, mix: Gain) -> Array:
@@ -47,8 +47,7 @@ class FieldPI:
     def act(self, state: Array, seen: Seen, period_s: float) -> tuple[Array, Array]:
         """One period."""
         error = seen["slip"] - self.slip_set
-        integral = np.clip(state + self.ki_mps * error * period_s, 0.0, MOST_RELIEF_M)
-        relief_m = np.clip(self.kp_m * error + integral, 0.0, MOST_RELIEF_M)
+        integral, relief_m = relieved(state, error, self.kp_m, self.ki_mps, period_s)
         depth_m = seen["depth_target_m"] + self.trim_m - relief_m
         return integral, field_actions(self.throttle, self.gear, depth_m, self.mix)
 

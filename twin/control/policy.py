@@ -29,18 +29,26 @@ SMOOTHING_S = 1.0
 """Time constant of the slow slips a policy sees beside the slips [s]."""
 
 
-def plough_features(seen: Seen, slow: Seen) -> list[Array]:
-    """Slip, speeds, depth, draft, engine and controls of Plough-v0."""
-    target, depth_m = seen["slip_target"], np.maximum(seen["depth_m"], 0.0)
+def _at_work(seen: Seen, slow: Seen, slip: Array | float) -> list[Array]:
+    """Slips about one, speeds, depth, draft, engine and throttle of a tractor that ploughs."""
+    depth_m = np.maximum(seen["depth_m"], 0.0)
     return [
-        (seen["slip"] - target) / 0.1,
-        (slow["slip"] - target) / 0.1,
+        (seen["slip"] - slip) / 0.1,
+        (slow["slip"] - slip) / 0.1,
         seen["speed_mps"] / 2.0 - 0.8,
         seen["wheel_speed_mps"] / 2.0 - 0.8,
         (depth_m - seen["depth_target_m"]) / 0.05,
         draft_n(seen) / 2e4,
         seen["engine_radps"] / 50.0 - 3.2,
         seen["throttle"],
+    ]
+
+
+def plough_features(seen: Seen, slow: Seen) -> list[Array]:
+    """Slip, speeds, depth, draft, engine and controls of Plough-v0."""
+    target = seen["slip_target"]
+    return [
+        *_at_work(seen, slow, target),
         seen["lift_set_rad"] * 5.0,
         target * 5.0,
         seen["depth_target_m"] * 4.0,
@@ -64,16 +72,8 @@ def torque_features(seen: Seen, slow: Seen) -> list[Array]:
 
 def field_features(seen: Seen, slow: Seen) -> list[Array]:
     """Slip, speeds, depth, draft, engine and levers of Plough-v1."""
-    depth_m = np.maximum(seen["depth_m"], 0.0)
     return [
-        (seen["slip"] - SLIP_LIMIT) / 0.1,
-        (slow["slip"] - SLIP_LIMIT) / 0.1,
-        seen["speed_mps"] / 2.0 - 0.8,
-        seen["wheel_speed_mps"] / 2.0 - 0.8,
-        (depth_m - seen["depth_target_m"]) / 0.05,
-        draft_n(seen) / 2e4,
-        seen["engine_radps"] / 50.0 - 3.2,
-        seen["throttle"],
+        *_at_work(seen, slow, SLIP_LIMIT),
         seen["gear_kmh"] / 5.0 - 1.6,
         seen["lift_set_rad"] * 5.0,
         seen["mix"],

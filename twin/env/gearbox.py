@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from twin.compute.compiled import inlined_law, law
 from twin.env import levers
-from twin.physics import block
-from twin.physics.block import Coupling, Engine
+from twin.physics.block import CLUTCH_NM, GEAR_RATIO
 from twin.simulation.controls import within
 from twin.simulation.records import Records
 
@@ -27,10 +26,6 @@ RATIO_PS = 0.5
 SHIFT_S = 1.0
 """Least time between two shifts of a transmission with gears [s]; assumed."""
 SAME_RATIO = 1e-6
-
-GEAR_RATIO = block.ENGINE + int(Engine.GEAR_RATIO)
-CLUTCH_NM = block.COUPLING + int(Coupling.CAPACITY_NM)
-"""Where the block has the ratio, and the clutch's capacity at the axle."""
 
 
 class Gearbox(NamedTuple):

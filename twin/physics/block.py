@@ -237,6 +237,9 @@ WHEEL = SOIL + int(Soil.SIZE)
 ENGINE = WHEEL + 4 * int(Wheel.SIZE)
 COUPLING = ENGINE + int(Engine.SIZE)
 PLOUGH = COUPLING + len(COUPLINGS) * int(Coupling.SIZE)
+GEAR_RATIO = ENGINE + int(Engine.GEAR_RATIO)
+CLUTCH_NM = COUPLING + COUPLINGS.index("clutch") * int(Coupling.SIZE) + int(Coupling.CAPACITY_NM)
+"""Where the ratio is, and the clutch's capacity at the axle."""
 SIZE = PLOUGH + int(Plough.SIZE)
 
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from twin.physics import block
-from twin.physics.block import Coupling, Engine
+from twin.physics.block import Engine
 from twin.simulation.simulation import Simulation
-
-CLUTCH = block.COUPLING + block.COUPLINGS.index("clutch") * int(Coupling.SIZE)
 
 
 class Driveline:
@@ -31,7 +29,7 @@ class Driveline:
     @property
     def ratio(self) -> float:
         """Engine turns per turn of the rear axle; below 0 in reverse."""
-        return float(self.block[block.ENGINE + Engine.GEAR_RATIO])
+        return float(self.block[block.GEAR_RATIO])
 
     def change(self, ratio: float) -> None:
         """Put another ratio in."""
@@ -41,8 +39,8 @@ class Driveline:
         shaft = simulation.engine
         simulation.qvel[0, shaft] *= before / ratio
         self.armature[shaft] = self.inertia_kgm2 * ratio**2
-        self.block[block.ENGINE + Engine.GEAR_RATIO] = ratio
-        self.block[CLUTCH + Coupling.CAPACITY_NM] = self.clutch_nm * abs(ratio)
+        self.block[block.GEAR_RATIO] = ratio
+        self.block[block.CLUTCH_NM] = self.clutch_nm * abs(ratio)
         known = simulation.drivetrain[0]
         known["gear_ratio"], known["mps_per_radps"] = ratio, self.radius_m / abs(ratio)
 

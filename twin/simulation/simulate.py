@@ -96,15 +96,13 @@ class CourseRun:
             self.operator.decide(seen, self.way())
         self._set_levers()
         self.simulation.decide()
-        entry = np.array(self.simulation.qvel[:, None])
+        entry = None if self.operator is None else np.array(self.simulation.qvel[:, None])
         record = self.simulation.run()
-        if self.operator is not None:
-            record["entry"] = entry
         shape = record["userdata"].shape[:2]
         record["power_mass_w"] = np.zeros(shape)
-        if self.operator is not None:
+        if self.operator is not None and entry is not None:
             brought_w = self.operator.brought_j / self.machine.scenario.timestep_s
-            record["power_mass_w"][0, 0] = 0.0 - brought_w
+            record["entry"], record["power_mass_w"][0, 0] = entry, 0.0 - brought_w
         record["phase"] = np.full(shape, float(self.phase()))
         record["gear_ratio"] = np.full(shape, float(self.simulation.drivetrain["gear_ratio"][0]))
         self.last = record
