@@ -54,10 +54,12 @@ def written(folder: Path, minutes: int = 60) -> Path:
     level = 0.55 + 0.2 * random.random(minutes)[time_s // 60]
     torque = np.where(work, level, 0.12)
     engine = wheel * 82.0 * (1.0 + 0.002 * random.standard_normal(count))
-    rows = SteadyRows(time_s.astype(float), work, np.ones(count), wheel, engine, torque,
+    rows = SteadyRows(time_s.astype(float), np.ones(count), wheel, engine, torque,
                       torque * engine / wheel, np.ones(count))  # fmt: skip
     model = Steady(files.machine("nh_t7165s"), Soil(preset="tilled"), tuple(TRUE), rows, True)
-    ratio, fuel = model.foretold(np.array([list(TRUE.values())]))[0].T
+    empty = TRUE | {"log.carried_kg": 0.0}
+    at_work, alone = model.foretold(np.array([list(TRUE.values()), list(empty.values())]))
+    ratio, fuel = np.where(work[:, None], at_work, alone).T
     gnss = ratio * wheel + 0.02 * random.standard_normal(count)
     fuel = fuel * (1.0 + 0.01 * random.standard_normal(count))
     north = np.cumsum(gnss)

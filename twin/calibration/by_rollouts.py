@@ -29,12 +29,14 @@ from twin.calibration.task import (
     gears_of,
     held_back,
     mass_kg,
+    peak_torque_nm,
     prior_of,
     result_of,
     torque_of,
 )
 from twin.errors import BadInput
-from twin.vehicle import Machine, files
+from twin.scenario.scenario import usual_plough
+from twin.vehicle import files
 from twin.vehicle.derive import RPM
 from twin.vehicle.numerics import machine_facts
 
@@ -80,17 +82,17 @@ def by_rollouts(task: Task) -> Calibration:
     names += [n for n in set_names.values() if n not in names]
     if "log.wheel_scale" in names:
         names = [n for n in names if not n.endswith("radius_m")]
-    exact = {g: _ratio(task, g, turned) for g in driven}
+    exact = {g: _ratio(task, g) for g in driven}
     own: dict[str, tuple[float, float]] = {
         name: (1.01 * float(max(np.nanmax(rows["engine_radps"][s.rows]) for s, g in kept
                                 if set_names[g] == name)) / RPM, known(name).spread)
         for name in set_names.values()
     }  # fmt: skip
     numbers = machine_facts(task.machine).numbers
-    peak_nm = numbers["engine.rated_torque_nm"] * numbers["engine.torque_rise"]
-    own |= {"log.reference_torque_nm": (peak_nm, 0.3), "log.wheel_scale": (1.0, 0.03)}
+    own["log.reference_torque_nm"] = peak_torque_nm(task.machine), 0.3
+    own["log.wheel_scale"] = 1.0, 0.03
     part = files.implement(task.implement or files.usual_implement(task.machine)
-                           or _usual(task.machine))  # fmt: skip
+                           or usual_plough(machine_facts(task.machine)))  # fmt: skip
     depth_m = float(np.mean([np.nanmean(rows["depth_m"][s.rows]) for s, _ in kept if s.working])
                     ) if "depth_m" in rows else float(np.mean(part.depths_m))  # fmt: skip
     block = task.log.setup.wheels
@@ -123,7 +125,7 @@ def _absent(task: Task, channels: Sequence[str], turned: bool) -> list[str]:
     return [*out, "log.wheel_scale"] if turned else out
 
 
-def _ratio(task: Task, gear: Gear, turned: bool) -> float:
+def _ratio(task: Task, gear: Gear) -> float:
     """The ratio of the machine's file where it has gears, else the log's."""
     known_ratios = machine_facts(task.machine).ratios
     if not known_ratios:
@@ -145,10 +147,9 @@ def _row_holdout(task: Task, result: Fit, chosen: Sequence[Segment]) -> Holdout 
         if any(s.held_back for s in chosen)
         else len(task.rows["epoch_ns"])
     )
-    held = held_back(task, found.time_s, found.working) if task.hold_out_s else (
+    held = held_back(task, found.time_s) if task.hold_out_s else (
         found.time_s >= held_from)  # fmt: skip
-    fitted = found.chosen(~held & found.working & np.isfinite(found.ratio))
-    back = found.chosen(held & found.working)
+    fitted, back = found.chosen(~held & np.isfinite(found.ratio)), found.chosen(held)
     if len(fitted) < 6 or len(back) < 3:
         return None
     machine, soil = machine_with(task.machine, values), soil_with(task.soil, values)
@@ -174,10 +175,3 @@ def _row_holdout(task: Task, result: Fit, chosen: Sequence[Segment]) -> Holdout 
     row_fit = fit(Steady(machine, soil, names, fitted, driven, of_axle), prior, seed=task.seed,
                   starts=1, told=task.told)  # fmt: skip
     return held_out(Steady(machine, soil, names, back, driven, of_axle), row_fit, fitted, task.seed)
-
-
-def _usual(machine: Machine) -> str:
-    from twin.scenario.scenario import POWERS_KW
-
-    power_kw = 1e-3 * machine_facts(machine).numbers["engine.max_power_w"]
-    return next(name for most_kw, name in POWERS_KW if power_kw <= most_kw)

@@ -48,16 +48,15 @@ def by_rows(task: Task) -> Calibration:
     torque, reference_nm, spread, of_axle = torque_of(task)
     gears, _, _ = gears_of(task)
     found = steady_rows(task.log, task.rows, torque)
-    held = held_back(task, found.time_s, found.working)
-    fitted = found.chosen(~held & found.working & np.isfinite(found.ratio))
-    back = found.chosen(held & found.working)
+    held = held_back(task, found.time_s)
+    fitted, back = found.chosen(~held & np.isfinite(found.ratio)), found.chosen(held)
     if len(fitted) < 12 or not len(back):
         raise BadInput(
             f"{len(fitted)} rows of steady work are left to fit and {len(back)} to check; at least "
             "12 and 1 would do: hold back less, or drive longer"
         )
     time_s = (task.rows["epoch_ns"] - task.rows["epoch_ns"][0]) * 1e-9
-    second_held = held_back(task, time_s, time_s >= 0.0) if task.hold_out_s else (
+    second_held = held_back(task, time_s) if task.hold_out_s else (
         time_s >= back.time_s.min())  # fmt: skip
     own = {"log.reference_torque_nm": (reference_nm, spread),
            "log.wheel_scale": _wheel_scale(task, ~second_held),
@@ -69,7 +68,7 @@ def by_rows(task: Task) -> Calibration:
     model = Steady(task.machine, task.soil, names, fitted, all_wheels, of_axle)
     result = fit(model, prior_of(task, names, own), seed=task.seed, starts=task.starts,
                  told=task.told, remember=task.memory)  # fmt: skip
-    _refuse_other_machine(task, result, gears)
+    _refuse_unlikely(result, gears)
     ahead = Steady(task.machine, task.soil, names, back, all_wheels, of_axle)
     holdout = held_out(ahead, result, fitted, task.seed)
     return result_of(task, result, gears, model.channels, model.measured, model.time_s,
@@ -92,7 +91,8 @@ def _wheel_scale(task: Task, fitted: NDArray[np.bool_]) -> tuple[float, float]:
     return scale.scale, max(LEAST_SCALE_SD, (scale.high - scale.low) / 3.92)
 
 
-def _refuse_other_machine(task: Task, result: Fit, gears: Sequence[Gear]) -> None:
+def _refuse_unlikely(result: Fit, gears: Sequence[Gear]) -> None:
+    """Refuse a fit that only another machine's log, or another unit, would give."""
     scale = result.values.get("log.wheel_scale", 1.0)
     if not SCALES[0] <= scale <= SCALES[1]:
         raise BadInput(

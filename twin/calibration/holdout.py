@@ -52,12 +52,11 @@ def held_out(model: Steady, fit: Fit, fitted: SteadyRows, seed: int = 0) -> Hold
     spread = np.sqrt(np.einsum("np,pq,nq->n", slopes, fit.cov, slopes) + noise_sd**2)
     slip, slip_sd = 1.0 - foretold[0] / scale, spread / scale
     measured = 1.0 - rows.ratio / scale
-    work = fitted.chosen(fitted.working)
-    size = float(np.median(work.force))
-    found = 1.0 - work.ratio / scale
+    size = float(np.median(fitted.force))
+    found = 1.0 - fitted.ratio / scale
 
     def left(p: Array) -> Array:
-        return np.asarray(p[0] + p[1] * work.force / size - found)
+        return np.asarray(p[0] + p[1] * fitted.force / size - found)
 
     line = least_squares(left, [0.0, 0.1], loss="huber", f_scale=HUBER_SLIP).x
     straight, constant = line[0] + line[1] * rows.force / size, float(np.median(found))

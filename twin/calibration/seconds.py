@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -69,15 +68,6 @@ def with_speeds(streams: Streams, setup: Setup) -> Streams:
         if f"ticks_{w}" in wheels
     }  # fmt: skip
     return Streams({**streams.tables, "wheels": {**wheels, **added}}, streams.frames)
-
-
-def later(log: Log, lag_s: float) -> Log:
-    """The log with the epochs of its GNSS moved back by its lag."""
-    gnss = log.streams.tables.get("gnss")
-    if gnss is None or not math.isfinite(lag_s) or lag_s == 0.0:
-        return log
-    moved = {**gnss, "epoch_ns": gnss["epoch_ns"] - round(lag_s * 1e9)}
-    return replace(log, streams=Streams({**log.streams.tables, "gnss": moved}, log.streams.frames))
 
 
 def _front(streams: Streams, rows: Table) -> Table:

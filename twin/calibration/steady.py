@@ -95,22 +95,16 @@ class Steady:
         if not self.of_axle:
             lost = numbers["engine.parasitic_nm"] * rows.engine_radps / rows.wheel_mps
             power = (power - lost) * numbers["engine.transmission_efficiency"]
-        carried_n = GRAVITY_MPS2 * values.get("log.carried_kg", 0.0) * rows.working
+        carried_n = GRAVITY_MPS2 * values.get("log.carried_kg", 0.0)
         front_n = numbers["tyre_front.nominal_load_n"] - 0.5 * (BEHIND - 1.0) * carried_n
         rear_n = numbers["tyre_rear.nominal_load_n"] + 0.5 * BEHIND * carried_n
         radii = (numbers[f"tyre_{a}.free_rolling_radius_m"] for a in ("front", "rear"))
         front_m, rear_m = radii
         lead = numbers["front_drive.ratio"] * front_m / rear_m - 1.0
         height = PULL_HEIGHT_M / _wheelbase_m(machine)
-        out = np.empty(len(rows))
-        for working in (False, True):
-            chosen = rows.working == working
-            if chosen.any():
-                load_n = np.array([front_n[chosen][0], rear_n[chosen][0]])
-                out[chosen] = slips(soil, self._wheels, load_n,
-                                    lead if self.all_wheel_drive else math.nan, height,
-                                    power[chosen] / true)  # fmt: skip
-        return out
+        lead = lead if self.all_wheel_drive else math.nan
+        load_n = np.array([front_n, rear_n])
+        return slips(soil, self._wheels, load_n, lead, height, power / true)
 
     def _of(self, values: dict[str, float]) -> Array:
         true = values.get("log.wheel_scale", 1.0)

@@ -20,15 +20,12 @@ Mask = NDArray[np.bool_]
 ROW = 5
 """Rows of a second in a mean."""
 LEAST_MPS, STEADY_MPS2, STRAIGHT_RAD, LEAST_RPM = 0.7, 0.04, math.radians(3.0), 600.0
-EMPTY_MPS2 = 0.1
-"""Change of the wheels' speed a second while driving empty, which is seldom as steady as work."""
 FEWEST = 12
 """Rows of steady work, at least."""
 RULE = (
     f"Rows are means over {ROW} s of steady work: the wheels faster than {LEAST_MPS:g} m/s, their "
     f"speed changing by less than {STEADY_MPS2:g} m/s a second, the heading within "
-    f"{math.degrees(STRAIGHT_RAD):.0f} degrees, the engine above {LEAST_RPM:.0f} rpm; and of "
-    f"driving empty, the speed changing by less than {EMPTY_MPS2:g} m/s a second."
+    f"{math.degrees(STRAIGHT_RAD):.0f} degrees, the engine above {LEAST_RPM:.0f} rpm."
 )
 
 
@@ -38,7 +35,6 @@ class SteadyRows:
 
     time_s: Array
     """Start of each, since the start of the log."""
-    working: Mask
     speed_mps: Array
     """Ground speed; NaN where it was not measured."""
     wheel_mps: Array
@@ -67,7 +63,7 @@ class SteadyRows:
 def steady_rows(
     log: Log, rows: Table, torque: Array, steady_mps2: float = STEADY_MPS2
 ) -> SteadyRows:
-    """The steady rows of a log, work and empty.
+    """The rows of steady work of a log.
 
     Args:
         log: for its headings and its labels of rows.
@@ -78,7 +74,7 @@ def steady_rows(
     Raises:
         BadInput: fewer than 12 rows of steady work.
     """
-    working, empty = doing(log, rows)
+    working, _ = doing(log, rows)
     heading = _heading(log, rows)
     time_s = (rows["epoch_ns"] - rows["epoch_ns"][0]) * 1e-9
     ground, wheel, engine = rows["speed_mps"], rows["wheel_speed_mps"], rows["engine_radps"]
@@ -86,28 +82,24 @@ def steady_rows(
     found = []
     for first in range(0, len(wheel) - ROW, ROW):
         part = slice(first, first + ROW)
-        at_work = bool(working[part].all())
-        if (
-            not (at_work or empty[part].all())
-            or time_s[first + ROW - 1] - time_s[first] > ROW - 0.5
-        ):
+        if not working[part].all() or time_s[first + ROW - 1] - time_s[first] > ROW - 0.5:
             continue
         change = np.abs(np.diff(wheel[part])).max()
         turned = heading[part] - heading[first]
         if (
-            change < (steady_mps2 if at_work else EMPTY_MPS2)
+            change < steady_mps2
             and wheel[part].min() > LEAST_MPS
             and engine[part].min() * 30.0 / math.pi > LEAST_RPM
             and not np.abs(turned).max() >= STRAIGHT_RAD
             and np.isfinite(torque[part]).all()
         ):
             force = np.mean(torque[part] * engine[part] / wheel[part])
-            found.append((time_s[first], at_work, ground[part].mean(), wheel[part].mean(),
+            found.append((time_s[first], ground[part].mean(), wheel[part].mean(),
                           engine[part].mean(), torque[part].mean(), force,
                           fuel[part].mean()))  # fmt: skip
-    columns = np.array(found, np.float64).reshape(-1, 8).T
-    out = SteadyRows(columns[0], columns[1] > 0.5, *columns[2:])
-    if (count := int(out.working.sum())) < FEWEST:
+    columns = np.array(found, np.float64).reshape(-1, 7).T
+    out = SteadyRows(*columns)
+    if (count := len(out)) < FEWEST:
         raise BadInput(
             f"the log has {count} rows of {ROW} s of steady work; {FEWEST} would do: straight "
             f"driving under load at a wheel speed that changes by less than {STEADY_MPS2:g} m/s a "

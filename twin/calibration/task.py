@@ -25,7 +25,7 @@ from twin.logs import Log
 from twin.scenario import Soil
 from twin.streams import Table
 from twin.vehicle import Machine
-from twin.vehicle.derive import RPM
+from twin.vehicle.derive import GRAVITY_MPS2, RPM
 from twin.vehicle.numerics import machine_facts
 
 Array = NDArray[np.float64]
@@ -66,7 +66,7 @@ def torque_of(task: Task) -> tuple[Array, float, float, bool]:
     """Torque over its reference, the reference, its prior sd, and whether it is the axle's."""
     rows, machine = task.rows, task.machine
     numbers = machine_facts(machine).numbers
-    peak_nm = numbers["engine.rated_torque_nm"] * numbers["engine.torque_rise"]
+    peak_nm = peak_torque_nm(machine)
     if "engine_torque" in rows:
         return rows["engine_torque"], REFERENCE_OVER_PEAK * peak_nm, 0.15, False
     if "engine_load" not in rows:
@@ -82,6 +82,12 @@ def torque_of(task: Task) -> tuple[Array, float, float, bool]:
     )
     most = numbers["engine.max_power_w"] / np.maximum(rpm * RPM, 1.0)
     return load * np.clip(np.minimum(full, most), 0.0, None) / peak_nm, peak_nm, 0.15, False
+
+
+def peak_torque_nm(machine: Machine) -> float:
+    """The engine's greatest torque."""
+    numbers = machine_facts(machine).numbers
+    return numbers["engine.rated_torque_nm"] * numbers["engine.torque_rise"]
 
 
 def gears_of(task: Task) -> tuple[list[Gear], Array, bool]:
@@ -141,19 +147,19 @@ def fitted_names(task: Task, usual: Sequence[str], absent: Iterable[str]) -> tup
     return tuple(dict.fromkeys([*task.parameters, *needed]))
 
 
-def held_back(task: Task, time_s: Array, working: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which times are held back."""
+def held_back(task: Task, time_s: Array) -> NDArray[np.bool_]:
+    """Which times of steady work are held back."""
     if task.hold_out_s is not None:
         first, last = task.hold_out_s
         return np.asarray((time_s >= first) & (time_s <= last))
-    return np.asarray(time_s >= np.quantile(time_s[working], 1.0 - HELD_SHARE))
+    return np.asarray(time_s >= np.quantile(time_s, 1.0 - HELD_SHARE))
 
 
 def mass_kg(machine: Machine) -> float:
     """Of the file, or of what the tyres of a hand-made MJCF carry."""
     return machine.mass_kg or 2.0 * sum(
         machine_facts(machine).numbers[f"tyre_{a}.nominal_load_n"] for a in ("front", "rear")
-    ) / 9.81  # fmt: skip
+    ) / GRAVITY_MPS2  # fmt: skip
 
 
 def result_of(

@@ -144,7 +144,7 @@ class Scenario:
             return None
         kept, name = self.implement_numbers, self.implement
         if name is None:
-            name = files.usual_implement(self.machine_file) or _usual_implement(self.facts)
+            name = files.usual_implement(self.machine_file) or usual_plough(self.facts)
         if kept is not None and kept.name == name:
             return kept
         return files.implement(name)
@@ -202,6 +202,7 @@ class Scenario:
         )  # fmt: skip
 
 
-def _usual_implement(facts: Facts) -> str:
+def usual_plough(facts: Facts) -> str:
+    """The plough of a machine whose file names no implement, by its power."""
     power_kw = 1e-3 * facts.numbers["engine.max_power_w"]
     return next(name for most_kw, name in POWERS_KW if power_kw <= most_kw)
