@@ -1,6 +1,7 @@
 """The runs of a study.
 
-The same seeds serve every scenario, sweep and estimator, so that differences are paired.
+Every scenario and every combination of swept values is run with the same seeds, and all estimators
+see the same runs. So two estimators can be compared seed by seed.
 """
 
 from __future__ import annotations
