@@ -181,8 +181,6 @@ def read_sweeps(given: Sequence[str], scenario: Thing) -> dict[str, tuple[Any, .
         if not equals or not left.strip() or not right.strip():
             raise BadInput(f"--sweep {text} is not FIELD=V1,V2,... (soil.friction=0.6,0.8)")
         path = fields.spelled(left)
-        if path in ("seed", "name", "about"):
-            raise BadInput(f"--sweep {text}: {path} cannot be swept; --seeds takes the seeds")
         if path in found:
             raise BadInput(f"--sweep {path} is given twice")
         kind = fields.kind(scenario, path)

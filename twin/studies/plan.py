@@ -21,6 +21,13 @@ from twin.pipeline import named as registry
 from twin.pipeline.unread import complaint
 from twin.scenario import Scenario, fields
 
+NOT_SWEPT = {
+    "seed": "`--seeds` takes the seeds (`seeds=` from Python)",
+    "name": "it changes nothing in a run",
+    "about": "it changes nothing in a run",
+}
+"""Fields that cannot be swept, and why."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
@@ -84,8 +91,12 @@ def _settings(
     """The settings of a plan, and what is said of those that are left out.
 
     Raises:
-        BadInput: all are left out, or a scenario is as it stands, without a sweep.
+        BadInput: a field cannot be swept, all settings are left out, or a scenario without a sweep
+            sets a field that its run would not read.
     """
+    for path in sweeps:
+        if path in NOT_SWEPT:
+            raise BadInput(f"{path} cannot be swept: {NOT_SWEPT[path]}")
     kept: list[Setting] = []
     said: list[str] = []
     for scenario in dict.fromkeys(scenarios):
