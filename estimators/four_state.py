@@ -117,7 +117,7 @@ class FourState:
         return advance(_loop, state, chunk)
 
     def innovations(self, setup: Setup, streams: Streams) -> Table:
-        """What each measurement is off what the filter foretells, and its variance."""
+        """What each measurement is off what the filter predicts, and its variance."""
         return innovations(_innovations, self.init(setup), streams)
 
 

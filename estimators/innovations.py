@@ -1,4 +1,4 @@
-"""Innovations: what each measurement was off what a filter foretold.
+"""Innovations: what each measurement was off what a filter predicted.
 
 A filter notes them in its memory where they are wanted. Its estimates do not change by it.
 """

@@ -154,7 +154,7 @@ class ParallelKf:
         return advance(_loop, state, chunk)
 
     def innovations(self, setup: Setup, streams: Streams) -> Table:
-        """What each measurement is off what an observer foretells, and its variance."""
+        """What each measurement is off what an observer predicts, and its variance."""
         return innovations(_innovations, self.init(setup), streams)
 
 

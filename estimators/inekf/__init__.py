@@ -96,7 +96,7 @@ class InvariantEkf:
         return State(reader, state.tuning, memory), table
 
     def innovations(self, setup: Setup, streams: Streams) -> Table:
-        """What each measurement is off what the filter foretells, and its variance."""
+        """What each measurement is off what the filter predicts, and its variance."""
         state = self.init(setup)
         reader, samples, raw = _read(state, streams)
         memory, kept = state.memory.copy(), np.zeros(MOST * len(samples), KEPT)

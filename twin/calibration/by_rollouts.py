@@ -134,7 +134,7 @@ def _ratio(task: Task, gear: Gear) -> float:
 
 
 def _row_holdout(task: Task, result: Fit, chosen: Sequence[Segment]) -> Holdout | None:
-    """Rows held back, foretold by the soil that was found; the rows' own nuisances are fitted."""
+    """Rows held back, predicted by the soil that was found; the rows' own nuisances are fitted."""
     try:
         torque, reference_nm, _, of_axle = torque_of(task)
         found = steady_rows(task.log, task.rows, torque, steady_mps2=math.inf)

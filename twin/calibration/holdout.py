@@ -1,4 +1,4 @@
-"""The part of a log that was never fitted, foretold and scored beside a line and a constant."""
+"""The part of a log that was never fitted, predicted and scored beside a line and a constant."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ HUBER_SLIP = 0.01
 
 @dataclass(frozen=True)
 class Holdout:
-    """Rows that were held back, foretold; and their scores."""
+    """Rows that were held back, predicted; and their scores."""
 
     rows: SteadyRows
     slip: Array
-    """Foretold."""
+    """Predicted."""
     slip_sd: Array
     measured: Array
     """By the scale of the wheels that was found; NaN where GNSS is not known."""
@@ -39,9 +39,9 @@ class Holdout:
 def held_out(model: Steady, fit: Fit, fitted: SteadyRows, seed: int = 0) -> Holdout:
     """Score the rows of `model`, none of which was fitted.
 
-    Slip is foretold by the laws at the parameters' mean; its sd has the parameters' uncertainty and
-    the noise of slip that was estimated. Beside it stand a straight line of slip in engine torque x
-    engine speed / wheel speed by Huber's loss, and the median, both of the fitted rows.
+    The laws predict slip at the parameters' mean; its sd has the parameters' uncertainty and the
+    estimated noise of slip. It is compared with a straight line of slip in engine torque x engine
+    speed / wheel speed by Huber's loss, and with the median, both of the fitted rows.
     """
     rows, names = model.rows, fit.prior.names
     scale = fit.values.get("log.wheel_scale", 1.0)

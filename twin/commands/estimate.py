@@ -45,7 +45,7 @@ class Estimate:
     """Estimators, separated by commas: names, or module:Name of your own."""
     hide: str = ""
     """Hide GNSS for so many seconds, such as 1,10,30,60, at regular places while driving, and score
-    what each estimator foretells of the receiver's speed."""
+    what each estimator predicts of the receiver's speed."""
     tuning: Path | None = None
     """File of `twin tune`: other noises of some of the estimators."""
     view: bool = False

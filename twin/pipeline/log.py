@@ -46,7 +46,7 @@ def estimate(
         reader: what reads the log; None finds out by what is in it.
         strict: refuse a log with a single bad row.
         offset_s: file name -> how far its clock is ahead of the first file's [s].
-        hide_s: for how long GNSS is hidden to score what is foretold [s]; none leaves it out.
+        hide_s: for how long GNSS is hidden to score what is predicted [s]; none leaves it out.
         tuning: file of `twin tune` that says other noises of some of them.
         told: told how many estimators of how many are done.
 

@@ -112,7 +112,7 @@ def estimate(
         offset_s: file name -> how far its clock is ahead of the first file's [s]; what is not
             given is found from the speeds.
         hide_s: for how long GNSS is hidden at regular places while driving [s];
-            `scores["hidden"]` then says how well each estimator foretold the receiver's speed.
+            `scores["hidden"]` then says how well each estimator predicted the receiver's speed.
         tuning: file that `twin tune` wrote: other noises of some of the estimators.
 
     Raises:

@@ -1,4 +1,4 @@
-"""How well an estimator foretells a log: GNSS is hidden at regular places and scored at their ends.
+"""How well an estimator predicts a log: GNSS is hidden at regular places and scored at their ends.
 
 A log of a user has no truth. It has the receiver's speed, which an estimator can be kept from
 seeing. Pure functions on tables and streams.
@@ -36,7 +36,7 @@ DEFAULT_SD_MPS = 0.05
 
 @dataclass(frozen=True)
 class Score:
-    """What an estimator foretells of the receiver's speed after `hidden_s` without it."""
+    """What an estimator predicts of the receiver's speed after `hidden_s` without it."""
 
     estimator: str
     hidden_s: float
@@ -140,7 +140,7 @@ def errors(
 
     v, w: estimated speeds of ground and driven wheels. Of each hidden time the last sample of the
     receiver is taken that is no newer than the last estimate in it. NaN where the estimator says
-    nothing in it: rows from before or after it foretell nothing. Places at whose ends the machine
+    nothing in it: rows from before or after it predict nothing. Places at whose ends the machine
     does not drive are left out.
     """
     gnss = streams["gnss"]["epoch_ns"]

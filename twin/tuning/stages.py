@@ -1,7 +1,7 @@
 """Noises of sensors first, then those of the filter, as the part that is learnt from has them.
 
 A filter's model is never exact. What it gains where most innovations are, fifty a second of an
-accelerometer, may cost it the speed. So the filter's own values are found by how well it foretells
+accelerometer, may cost it the speed. So the filter's own values are found by how well it predicts
 the receiver's speed, and those that do not touch that by all innovations.
 """
 
