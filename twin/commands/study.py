@@ -46,7 +46,7 @@ SHOWN = {
 }
 """Quantity -> heading on the terminal, its scale, and its rank: the greatest is left out first."""
 EARLY_SHOWN = 20
-"""So many runs that were not driven as planned are named on the terminal."""
+"""Most runs that are named on the terminal as not driven as planned."""
 DRAWN = {
     "slip.rmse": ("RMSE of slip [%]", 100.0, "bound.slip_causal"),
     "sideslip_angle_rad.rmse": ("RMSE of sideslip angle [°]", DEG, "bound.sideslip_causal_rad"),

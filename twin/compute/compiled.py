@@ -119,7 +119,7 @@ def sources(file: Path) -> tuple[Path, ...]:
 
 @cache
 def imports(file: Path) -> frozenset[Path]:
-    """The files of our packages that a file's import statements name, wherever they stand in it.
+    """The files of our packages that a file's import statements name, anywhere in it.
 
     `from a.b import c` names a/b/c.py or, where c is no module, the file of a.b.
     """

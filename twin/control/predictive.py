@@ -18,7 +18,7 @@ HITCH_S, SLIP_S = 0.35, 0.25
 DEPTH_SCALE_M, SLIP_SCALE = 0.03, 0.05
 """Errors that cost 1."""
 SHALLOWEST_M, LEAST_SLIP = 0.08, 0.02
-"""Below these the ground tells nothing of its strength."""
+"""Below these, draft and pull are not estimated."""
 ITERATIONS = 25
 """Of the projected gradient."""
 

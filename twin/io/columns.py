@@ -1,6 +1,6 @@
 """Unit, frame and meaning of every column of streams, truth and estimates.
 
-The names of streams and estimates stand in `twin.streams`, those of the truth in `twin.truth`; a
+The names of streams and estimates are in `twin.streams`, those of the truth in `twin.truth`; a
 test compares all of them with these tables. `docs/columns.md` is written from here.
 
 Frames: `world` is east, north, up; `body` is forward, left, up from the rear-axle centre; `ground`
@@ -38,7 +38,7 @@ STAMPS: Columns = {
 
 
 def _each_wheel(name: str, unit: str, frame: str, meaning: str) -> Columns:
-    """One column for each wheel; `{}` stands for the wheel in the name and in the meaning."""
+    """One column for each wheel; `{}` is the wheel in the name and in the meaning."""
     return {
         name.format(short): Column(unit, frame, meaning.format(long))
         for short, long in WHEEL_NAMES.items()

@@ -1,4 +1,4 @@
-"""What tells one drive from another at a glance: how its speeds change, how often it stops.
+"""Statistics in which drives differ: how speeds change, how often the machine stops.
 
 Both a log and a simulated day are taken at one sample a second, as a logger of a machine's bus
 writes them.

@@ -2,7 +2,7 @@
 
 Each module turns noise-free quantities into one sensor's stream: a frozen configuration, and
 `init(config, seed, start_ns) -> state`, `sample(config, state, chunk) -> (state, Table)`.
-`suite` runs them together, `nominal` says what an estimator is told of them. A sensor of one's own
+`suite` runs them together, `nominal` makes the set-up of the estimators. Your own sensor
 is a subclass of `Sensor` (`docs/your-own-sensor.md`); `reader`, `read`, `arrivals` and `generator`
 are what the others are made of.
 """

@@ -15,7 +15,7 @@ Records: TypeAlias = NDArray[Any]
 
 
 def records(row: NamedTuple, count: int) -> Records:
-    """So many rows, each with the values of one. Shape (count,).
+    """`count` rows, each with the same values. Shape (count,).
 
     Args:
         row: floats, integers and booleans by name.

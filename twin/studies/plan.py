@@ -117,7 +117,7 @@ def _settings(
 
 
 def _told(name: str, estimator: Any) -> Any:
-    """What tells an estimator from another: its name, and its settings where it shows them."""
+    """What identifies an estimator: its name, and its settings if it is a dataclass."""
     shows = dataclasses.is_dataclass(estimator) and not isinstance(estimator, type)
     return [name, to_plain(estimator) if shows else None]
 

@@ -19,7 +19,7 @@ from twin.tuning.stages import RECEIVER, total
 Array = NDArray[np.float64]
 
 HIDDEN_S = 10.0
-"""For so long GNSS is hidden to score the speed that is predicted [s]."""
+"""Time for which GNSS is hidden to score the predicted speed [s]."""
 LEAST_PLACES = 8
 """From fewer hidden times or blocks no interval is made."""
 REFERENCES = {"slip": "1", "sideslip_rad": "rad", "speed_mps": "m/s"}
@@ -89,7 +89,7 @@ def rms_gain(quantity: str, unit: str, before: Array, after: Array) -> Gain | No
 
 
 def verdict(gains: Iterable[Gain]) -> str:
-    """`better` where the log density is, and nothing that tells of the speed is worse."""
+    """`better` where the log density is better and no measure of the speed is worse."""
     density, *others = (gain.verdict for gain in gains if gain.decides)
     return "worse" if "worse" in others else density
 

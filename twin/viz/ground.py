@@ -1,4 +1,4 @@
-"""The ground as it is drawn: its heights and soils, the last furrow, and what has been ploughed.
+"""The drawn ground: its heights and soils, the last furrow, and what has been ploughed.
 
 One module, because mesh, colours and slices are laid over one another.
 """
