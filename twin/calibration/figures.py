@@ -66,7 +66,7 @@ def ahead(holdout: Holdout) -> Drawing:
 
 
 def corner(fit: Fit) -> str:
-    """An SVG of what the log tells of each two parameters: ellipses of 68 and 95 %."""
+    """An SVG of the posterior of each two parameters: ellipses of 68 and 95 %."""
     order = np.argsort(np.diag(fit.cov) / fit.prior.sd**2)[:MOST_IN_CORNER]
     count, sds = len(order), np.sqrt(np.diag(fit.cov))
     angle = np.linspace(0.0, 2.0 * np.pi, 60)
