@@ -76,13 +76,16 @@ def bound(
     the slip bounds it too, and the two are joined as independent knowledge, 1 / (1/a + 1/b).
 
     Args:
-        setup: what the sensors are said to be.
-        streams: which sensors there are, how late and how often; their noise is the set-up's, the
-            accelerometer's what the truth shows, as no data sheet knows the engine.
-        truth: speed_mps, slip and v_y_rear_mps at a steady rate; with the angles of the wheels
-            against the body, where it has them, the wheels' errors under changing load.
-        window_s: the part of the run whose motion is looked at.
-        within_s: the part of that which the bound is of; all of it if None.
+        setup: noise of the sensors by their data sheets.
+        streams: which sensors there are, how late and how often. The noise of the accelerometer is
+            taken from the truth, because no data sheet has the engine's vibration.
+        truth: speed_mps, slip and v_y_rear_mps at a steady rate; the angles of the wheels against
+            the body, if any, give the wheels' errors under changing load.
+        window_s: first and last second of the motion that the model is fitted to.
+        within_s: first and last second of the bound; those of `window_s` if None.
+
+    Raises:
+        ValueError: fewer than 200 samples in the window.
     """
     time = truth["epoch_ns"] * 1e-9
     inside = (time >= window_s[0]) & (time <= window_s[1])

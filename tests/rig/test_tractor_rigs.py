@@ -181,3 +181,8 @@ def test_what_cannot_be_tested_is_refused():
         slope(Soil(), [60.0])
     with pytest.raises(BadInput, match="lengths"):
         park(Soil(), cross_slope_deg=[1.0, 2.0], grade_deg=[1.0, 2.0, 3.0])
+    for nothing in (lambda: gears(Soil(), speeds_kmh=()), lambda: slope(Soil(), [])):
+        with pytest.raises(BadInput, match="is empty"):
+            nothing()
+    with pytest.raises(BadInput, match="no slopes"):
+        park(Soil(), cross_slope_deg=[])

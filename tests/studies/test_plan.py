@@ -2,6 +2,7 @@
 
 import pytest
 
+import twin
 from twin.errors import BadInput, UnknownName
 from twin.studies import plan
 
@@ -56,3 +57,9 @@ def test_what_cannot_be_run_is_refused_before_anything_is():
         plan(["ima-pkf"], [0], ["ratio"], {"seed": (1, 2)})
     with pytest.raises(BadInput, match="name cannot be swept"):
         plan(["ima-pkf"], [0], ["ratio"], {"name": ("a", "b")})
+
+
+def test_a_comparison_with_an_estimator_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(BadInput, match="against = pkf"):
+        twin.study(["ima-pkf"], ["ratio"], out=tmp_path / "study", against="pkf")
+    assert not (tmp_path / "study").exists()

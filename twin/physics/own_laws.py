@@ -61,7 +61,11 @@ class LawKind:
         return float(number)
 
     def enter(self, number: int, compiled: CFunc, name: str) -> None:
-        """Enter a compiled law in the table, in the place of one with its number."""
+        """Enter a compiled law in the table, in the place of one with its number.
+
+        Raises:
+            BadInput: the table is full.
+        """
         same = np.flatnonzero((self.table[:, 0] == number) & (self.table[:, 1] != 0))
         rows = same if same.size else np.flatnonzero(self.table[:, 1] == 0)
         if not rows.size:

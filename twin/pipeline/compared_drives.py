@@ -91,7 +91,11 @@ def _has_truth(record: Record) -> bool:
 
 
 def drive_of(folder: Path, record: Record, slip_of: str) -> Drive:
-    """A folder's drive in rows of a second, with an estimator's slip or the true one."""
+    """A folder's drive in rows of a second, with an estimator's slip or the true one.
+
+    Raises:
+        BadInput: the folder has no measurements.
+    """
     truth = record.truth or {}
     estimate = truth if slip_of == TRUTH else record.estimates.get(slip_of)
     rows = timeline(record.streams, estimate)

@@ -96,6 +96,7 @@ def drawbar(
         machine: a name of `twin list`, a file, or what a file holds.
 
     Raises:
+        UnknownName: there is no such machine.
         OutOfRange: an argument outside what can be tested.
         BadInput: the test ended with fewer than three points, too few for a curve.
     """

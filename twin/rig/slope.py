@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import root
 
-from twin.errors import TwinError, check_range
+from twin.errors import BadInput, TwinError, check_range
 from twin.physics.block import WheelSlot
 from twin.rig.table import Measured
 from twin.rig.tractor import Statics, drive, mean, statics, tractor
@@ -53,12 +53,21 @@ class CrabAngles(Measured):
 
 
 def slope(soil: Soil, cross_slope_deg: ArrayLike, *, machine: str = files.USUAL) -> CrabAngles:
-    """Drive along each cross-slope for a fixed time, then average crab angle, slip and loads.
+    """Drive along each cross-slope for 30 s, then average crab angle, slip and loads over 5 s.
+
+    Args:
+        soil: the soil, the same everywhere.
+        cross_slope_deg: slopes across the course, rising to the left [deg] (n,).
+        machine: a name of `twin list`, or a file.
 
     Raises:
         OutOfRange: a slope beyond what a scenario may have.
+        BadInput: no slope is given.
+        UnknownName: there is no such machine.
     """
     slopes = np.atleast_1d(np.asarray(cross_slope_deg, dtype=np.float64))
+    if not slopes.size:
+        raise BadInput("cross_slope_deg is empty; give at least one slope [deg]")
     return CrabAngles(
         **_stacked(slopes, [_driven(soil, float(angle), machine) for angle in slopes])
     )

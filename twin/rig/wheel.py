@@ -182,7 +182,10 @@ def towed(
     speed_mps: float = SPEED_MPS,
     radial: bool = False,
 ) -> Free:
-    """A wheel pulled without torque: its skid and the force it takes. Arguments as `wheel`."""
+    """A wheel pulled without torque: its skid and the force it takes.
+
+    Arguments and errors as for `wheel`.
+    """
     points = _points(0.0, slip_angle_rad, load_n)
     return _free(tyre, soil, points, speed_mps, radial, held=("along", "across"))
 
@@ -195,9 +198,10 @@ def self_propelled(
     speed_mps: float = SPEED_MPS,
     radial: bool = False,
 ) -> Free:
-    """A wheel driven without pull: its slip and the torque it takes. Arguments as `wheel`.
+    """A wheel driven without pull: its slip and the torque it takes.
 
-    NaN both where the wheel digs in: its thrust does not overcome its resistance at any slip.
+    Arguments and errors as for `wheel`. NaN both where the wheel digs in: its thrust does not
+    overcome its resistance at any slip.
     """
     points = _points(0.0, 0.0, load_n)
     found = _free(tyre, soil, points, speed_mps, radial, held=("across", "spin"))

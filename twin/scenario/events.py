@@ -208,8 +208,8 @@ def check_order(events: tuple[Event, ...]) -> None:
     """Refuse orders that no driver can follow.
 
     Raises:
-        BadInput: a time or a place before that of an earlier event, or more taken out of a tank
-            than was filled in.
+        BadInput, OutOfRange: a time or a place before that of an earlier event, or more taken out
+            of a tank than was filled in.
     """
     last_s, last_m = -1.0, (0, -1.0)
     filled = dict.fromkeys(TANKS, 0.0)

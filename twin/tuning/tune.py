@@ -54,6 +54,7 @@ def tune(
         told: called with the number of estimators that are done, and of all.
 
     Raises:
+        UnknownName: there is no such estimator or reader.
         BadInput: the log or the map cannot be used, the log is too short, or an estimator gives no
             innovations; the message names the value.
 
