@@ -35,7 +35,7 @@ class Measured(Protocol):
 
 @dataclass(frozen=True)
 class Result:
-    """What `twin.run` and `twin.estimate` give.
+    """Result of `twin.run` and `twin.estimate`.
 
     A table is a dict of NumPy arrays of equal length; `epoch_ns` is its time [ns].
 
@@ -49,7 +49,7 @@ class Result:
     setup: Setup
     """The estimators' set-up: nominal values."""
     streams: Streams
-    """What the estimators see."""
+    """The samples of the sensors, by sensor."""
     truth: Table
     """The truth of a simulation, the reference of a log; empty where nothing is known."""
     estimates: Mapping[str, Table]

@@ -34,18 +34,18 @@ MOST_HOLDS = 4
 STANDING_MPS = 0.1
 LIFTED_N = 500.0
 ITERATIONS = 5
-"""Of loads and forces in the closed form; each gains about a digit."""
+"""Iterations of loads and forces in the closed form; each gains about a digit."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class DrawbarCurve(Measured):
-    """What the drawbar rig measured, one value per hold. Shape (n,)."""
+    """Measurements of the drawbar rig, one value per load. Shape (n,)."""
 
     pull_n: Array
     slip: Array
     """Mean of the rear wheels, (w R - v) / max(|w R|, |v|)."""
     front_slip: Array
-    """The same of the front wheels."""
+    """Mean slip of the front wheels, likewise."""
     speed_mps: Array
     front_load_n: Array
     rear_load_n: Array

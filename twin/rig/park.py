@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 SETTLE_S = 5.0
 """Time in which the tyres wind up before creep is counted [s]."""
 LOOKS = 60
-"""How often the place is looked at."""
+"""Number of instants at which the place is read."""
 
 
 @dataclass(frozen=True, kw_only=True)

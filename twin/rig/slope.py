@@ -27,7 +27,7 @@ WINDOW_S = 5.0
 """Time over which it is averaged [s]."""
 
 LOAD_ITERATIONS = 3
-"""Of the axle loads, which the axle torque changes by some per cent."""
+"""Iterations of the axle loads, which the axle torque changes by some per cent."""
 BALANCED = 1e-4
 """Most that a force may remain, over the weight."""
 
@@ -48,8 +48,9 @@ class CrabAngles(Measured):
     slip: Array
     """Mean of the rear wheels."""
     upper_load_n: Array
-    """Of the rear wheel on the left."""
+    """Load of the rear wheel on the left [N]."""
     lower_load_n: Array
+    """Load of the rear wheel on the right [N]."""
 
 
 def slope(soil: Soil, cross_slope_deg: ArrayLike, *, machine: str = files.USUAL) -> CrabAngles:

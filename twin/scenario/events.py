@@ -89,7 +89,7 @@ class Event:
     at_m: float | None = None
     """Distance along the line of a pass, from where that pass begins [m]."""
     in_pass: int | None = None
-    """Which pass `at_m` is in; None for the first."""
+    """Number of the pass of `at_m`; None for the first."""
     when: str | None = None
     """Condition, such as `engine_rpm < 1300`, `slip > 0.3` or `depth_m > 0.2`: engine_rpm, slip,
     depth_m, speed_kmh, draft_kn or load."""
@@ -106,11 +106,11 @@ class Event:
     pedal: float | None = None
     """0 released, 1 pressed down."""
     for_s: float | None = None
-    """How long [s]; None for a pedal holds it until the next event with that pedal."""
+    """Duration [s]; None for a pedal holds it until the next event with that pedal."""
     engine_off: bool = False
     """Turn the engine off while the machine stands."""
     distance_m: float | None = None
-    """How far it backs up [m]."""
+    """Distance that the machine backs up [m]."""
     depth_m: float | None = None
     """Working depth [m]."""
     engaged: bool | None = None
@@ -118,9 +118,9 @@ class Event:
     tank: str | None = None
     """fuel, seed or water; None for fuel. Seed and water are carried in front."""
     mass_kg: float | None = None
-    """What is filled in; below 0 what is taken out [kg]."""
+    """Mass that is filled in; below 0, that is taken out [kg]."""
     rate_kgps: float | None = None
-    """How fast it is filled or emptied [kg/s]; None for 5."""
+    """Mass that is filled in or taken out per second [kg/s]; None for 5."""
 
     def __post_init__(self) -> None:
         if self.do not in ACTIONS:

@@ -64,7 +64,7 @@ class Bus:
 
 @dataclass(frozen=True, kw_only=True)
 class BusState:
-    """Where the bus stands."""
+    """State of the bus."""
 
     reader: Reader
     arrival_ns: int

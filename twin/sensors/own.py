@@ -56,7 +56,7 @@ class Sensor:
     stream: ClassVar[str] = ""
     """Name of its table in `Streams`."""
     columns: ClassVar[tuple[Column, ...]] = ()
-    """Of its table, beside `epoch_ns` and `arrival_ns`."""
+    """Columns of the stream, beside `epoch_ns` and `arrival_ns`."""
 
     def __post_init__(self) -> None:
         if not STREAM.fullmatch(self.stream) or self.stream in COLUMNS:
@@ -83,7 +83,7 @@ class Sensor:
 
     @property
     def name(self) -> str:
-        """Where it is found, `module:Name`."""
+        """Name of the sensor, `module:Name`."""
         kind, module = type(self), type(self).__module__
         script = getattr(sys.modules.get("__main__"), "__file__", None)
         if module == "__main__" and script:

@@ -58,7 +58,7 @@ def due(clock: Clock, grid_ns: Stamps) -> tuple[Clock, Stamps]:
 
 @dataclass(frozen=True, kw_only=True)
 class Reader:
-    """Where a sampler of a trajectory stands: its clock and the last physics row it saw."""
+    """State of a sampler of a trajectory: its clock and the last physics row it saw."""
 
     clock: Clock
     grid_ns: Stamps = field(default_factory=lambda: np.empty(0, np.int64))
@@ -126,7 +126,7 @@ def _interpolate(a: Array, b: Array, fraction: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Averager:
-    """Where the running integral of a signal of m components stands."""
+    """State of the running integral of a signal of m components."""
 
     clock: Clock
     integral: Array

@@ -41,7 +41,7 @@ MODULES: dict[str, ModuleType] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Sensors:
-    """What is fitted; None switches a sensor off."""
+    """The sensors of a machine; None leaves a sensor out."""
 
     gnss: Gnss | None = field(default_factory=Gnss)
     """Dual-antenna RTK receiver."""
@@ -56,7 +56,7 @@ class Sensors:
     camera: Camera | None = None
     """Camera that looks down at the ground."""
     faults: tuple[Fault, ...] = ()
-    """What goes wrong with wires, counters and clocks, and when."""
+    """Scheduled faults of wires, counters and clocks."""
     ignition_off_s: ignition.Pairs = ()
     """When the ignition is off: start from the run's start and duration, pairs [s]."""
     extra: tuple[Sensor, ...] = ()
@@ -91,7 +91,7 @@ class SuiteState:
     start_ns: int = 0
     """Instant from which scheduled faults count."""
     held: Mapping[int, Held] = field(default_factory=dict)
-    """What faults remember, by their number."""
+    """States of the faults, by their number."""
     restarts: tuple[ignition.Restart, ...] = ()
     """Times without ignition."""
     switched: Mapping[str, ignition.Held] = field(default_factory=dict)

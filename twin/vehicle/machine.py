@@ -178,11 +178,11 @@ class Chassis:
     """Brakes, steering and the front axle's pivot."""
 
     brake_nm: Annotated[float | None, Range(1, 1e6)] = None
-    """Torque of the brake of one rear wheel."""
+    """Torque of the brake of one rear wheel [N m]."""
     steer_limit_rad: Annotated[float | None, Range(0.1, 1.2)] = None
-    """Largest angle of a front wheel."""
+    """Largest steering angle of a front wheel [rad]."""
     swing_limit_rad: Annotated[float | None, Range(0.02, 0.5)] = None
-    """How far the front axle swings."""
+    """Largest swing of the front axle to each side [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,12 +197,12 @@ class Linkage:
     top_pivot_m: Point | None = None
     """x and z of the top link's upper hole on the tractor."""
     lift_n: Annotated[float | None, Range(200, 3e5)] = None
-    """Force at the ends of the lower links."""
+    """Lifting force at the ends of the lower links [N]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Places:
-    """Where the sensors sit, from the rear axle."""
+    """Positions of the sensors in body axes, from the rear-axle centre [m]."""
 
     gnss_main_m: Place | None = None
     gnss_aux_m: Place | None = None
@@ -235,7 +235,7 @@ class Machine:
     grade: str = "given"
     """Grade of all numbers that have none of their own."""
     source: str = ""
-    """Their source."""
+    """Source of all numbers that have none of their own."""
     mjcf: str | None = None
     """A hand-made MJCF with the documented numerics, beside the file, in place of a made one."""
     numerics: tuple[Numeric, ...] = ()
@@ -247,12 +247,12 @@ class Machine:
     rear_axle_kg: Annotated[float | None, Range(5, 40000)] = None
     wheelbase_m: Annotated[float | None, Range(0.3, 6)] = None
     cg_height_m: Annotated[float | None, Range(0.05, 3)] = None
-    """Centre of gravity above the ground."""
+    """Height of the centre of gravity above the ground [m]."""
     length_m: Annotated[float | None, Range(0.5, 12)] = None
     width_m: Annotated[float | None, Range(0.2, 6)] = None
     height_m: Annotated[float | None, Range(0.2, 6)] = None
     rear_axle_height_m: Annotated[float | None, Range(0.05, 1.5)] = None
-    """Above the ground, on loaded tyres: a measure of the tape that is checked against the tyre."""
+    """Height above the ground on loaded tyres [m], by tape; it is checked against the tyre."""
     front: Axle = dataclasses.field(default_factory=Axle)
     rear: Axle = dataclasses.field(default_factory=Axle)
     ballast: tuple[Ballast, ...] = ()
@@ -266,7 +266,7 @@ class Machine:
     """Grade and source of the numbers that have their own; kept of the file's `{value, grade,
     source}`."""
     folder: str = ""
-    """Where the file stood; empty for one of the twin's own."""
+    """Folder of the file; empty for one of the twin's own."""
 
     def __post_init__(self) -> None:
         if self.schema != SCHEMA:
