@@ -86,7 +86,7 @@ def braking_torque_nm(engine: Array, rpm: float) -> float:
         T = min(T_r, P_regenerated / |w|)
 
     Source: Millington and Hartles (SAE 680590, 1968) as Heywood (1988) quotes it for direct
-    injection; recalled, not compared with the print.
+    injection; from memory, not compared with the print.
     """
     if engine[Engine.KIND] == ELECTRIC:
         most = _torque_of(engine[Engine.REGENERATION_W], rpm)

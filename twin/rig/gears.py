@@ -22,7 +22,7 @@ from twin.vehicle import files
 Array = NDArray[np.float64]
 
 MOST_SLIP = 0.15
-"""Slip at which a test of a wheeled tractor on a hard track ends [-]; OECD Code 2, as recalled."""
+"""Slip at which a test of a wheeled tractor on a hard track ends [-]; OECD Code 2, from memory."""
 FIRST, STEP = 0.3, 0.02
 """First load and step over the largest pull that power and weight allow in a gear."""
 

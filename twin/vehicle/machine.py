@@ -82,7 +82,7 @@ class Engine:
     rated_power_kw: Annotated[float | None, Range(0.05, 1000)] = None
     """At the crank, at rated speed."""
     pto_power_kw: Annotated[float | None, Range(0.05, 1000)] = None
-    """At the power take-off, at rated engine speed; in place of rated_power_kw."""
+    """Power at the power take-off (PTO), at rated engine speed; in place of rated_power_kw."""
     max_power_kw: Annotated[float | None, Range(0.05, 1200)] = None
     """At the crank, at any speed."""
     rated_rpm: Annotated[float | None, Range(300, 8000)] = None
@@ -106,9 +106,9 @@ class Engine:
     stroke_m: Annotated[float | None, Range(0.03, 0.3)] = None
     exhaust_brake_kpa: Annotated[float | None, Range(0, 600)] = None
     pto_efficiency: Annotated[float | None, Range(0.5, 1)] = None
-    """Power at the take-off over that at the crank."""
+    """PTO power over crank power [-]."""
     fuel_l_per_kwh: Annotated[float | None, Range(0.15, 1)] = None
-    """Fuel over energy at the take-off, at rated power."""
+    """Fuel over PTO energy at rated PTO power [L/kWh]."""
     regeneration_kw: Annotated[float | None, Range(0, 500)] = None
     """Most that an electric motor takes back."""
     wheel_torque_nm: Annotated[float | None, Range(0.1, 1e5)] = None
