@@ -57,15 +57,15 @@ def control(
     Args:
         work_rad: angle of the lower links that the actions ask for (nsim,).
         tasks, drivetrain, seen, drivers, pedals, controls: as `decide` has them.
-        qpos, userdata, world_from_ground, links: as `observe` has them.
-        qvel: velocities (nsim, nv), that of the `engine`'s shaft among them.
+        qpos, qvel, userdata, world_from_ground, links: as `observe` has them; qvel has the speed of
+            the `engine`'s shaft too.
         engine: where that is.
         engine_radps: written, the engines' speeds (nsim,).
         chosen, actuators: which of the controls go to which actuators.
         ctrl: written, the actuators' controls (nsim, nu).
         dt_s: the interval.
     """
-    observe(qpos, userdata, world_from_ground, links, seen)
+    observe(qpos, qvel, userdata, world_from_ground, links, seen)
     for i in range(len(tasks)):
         tasks[i].work_rad = work_rad[i]
         engine_radps[i] = drivetrain[i].gear_ratio * qvel[i, engine]
