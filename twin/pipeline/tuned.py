@@ -129,10 +129,11 @@ def scaled_streams(streams: Streams, factors: Numbers) -> Streams:
 
 
 def read(path: Path) -> dict[str, Noises]:
-    """Estimator -> its noises, from a file that `twin tune` wrote.
+    """Estimator -> its tuned fields and factors, from a file that `twin tune` wrote.
 
     Raises:
-        BadInput: the file is missing or no such file; says what is wrong with it.
+        BadInput: the file is missing, or is not a valid file of `twin tune`; says why.
+        UnknownName: a factor has a name that is not in FACTORS.
     """
     try:
         plain = tomllib.loads(path.read_text(encoding="utf-8"))
