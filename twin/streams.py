@@ -68,7 +68,7 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     ),
     "camera": (
         "frame", "interval_s", "v_x_mps", "v_y_mps", "var_x_m2ps2", "var_y_m2ps2", "cov_xy_m2ps2",
-        "yaw_rad", "scale", "quality", "used", "reason",
+        "yaw_rad", "scale", "tilt_ahead_rad", "tilt_left_rad", "quality", "used", "reason",
     ),
 }  # fmt: skip
 """Columns each sensor may have beside its stamps.
@@ -79,8 +79,9 @@ vehicle speed stands in both driven wheels); `frame` is the number of a camera's
 which `Streams.frames` has it. A camera with odometry on board gives, in place of frames, what each
 frame told: the velocity of its optical centre, forward and left in the ground plane, over the
 `interval_s` about the epoch, its covariance, `yaw_rad` the picture turned and `scale` its height
-grew by, NaN where a frame was not `used`, for a `reason` (`estimators.odometry.lens.Reason`). Its
-mounting's yaw and tilt are in it. The order of the sensors is the order in which samples
+grew by, and how far the ground's normal leans forward and left in the camera's axes; NaN where a
+frame was not `used`, for a `reason` (`estimators.odometry.lens.Reason`). Its mounting's yaw and
+tilt are in it. The order of the sensors is the order in which samples
 that arrive at the same instant are handed on.
 """
 
