@@ -25,7 +25,7 @@ STEP = 1e-3
 """Difference of a logarithm over which a slope is taken."""
 DAMPINGS = (0.0, 0.03, 1.0, 30.0)
 """Levenberg's dampings that are tried side by side."""
-MOST_STEPS, ENOUGH = 12, 3e-3
+MOST_STEPS, ENOUGH = 12, 0.03
 """Steps at most, and the step over the posterior sd that ends them."""
 ROUNDS = 4
 """So often the noise is estimated again from what the fit leaves."""
@@ -154,11 +154,10 @@ def fit(
     if not np.isfinite(costs).any():
         raise NotFitted("no start of the calibration gave finite residuals")
     u = ends[int(np.nanargmin(costs))]
-    for round_ in range(ROUNDS if model.covariance is None else 1):
+    for round_ in range(ROUNDS if model.covariance is None else 0):
         told(f"noise, round {round_ + 1}")
-        if model.covariance is None:
-            residual = model.measured - model.foretold(np.exp(u)[None])[0]
-            noise = estimated(residual, model.time_s, model.floor)
+        residual = model.measured - model.foretold(np.exp(u)[None])[0]
+        noise = estimated(residual, model.time_s, model.floor)
         u = remember(f"round-{round_}", lambda u=u, n=noise: _end(model, prior, n, u))[:-1]  # type: ignore[misc]
     return _posterior(model, prior, noise, u, costs, ends)
 

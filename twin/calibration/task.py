@@ -116,13 +116,20 @@ def prior_of(task: Task, names: Sequence[str], own: Mapping[str, tuple[float, fl
         mean.append(math.log(value))
         sd.append(spread)
         grades.append(grade)
+    low, high = bounds(task.machine, names)
+    mean = [min(max(m, a), b) if n.startswith("log.set_rpm") else m
+            for n, m, a, b in zip(names, mean, low, high, strict=True)]  # fmt: skip
+    return Prior(tuple(names), np.array(mean), np.array(sd), low, high, tuple(grades))
+
+
+def bounds(machine: Machine, names: Sequence[str]) -> tuple[Array, Array]:
+    """Logarithms of the least and the greatest value of each parameter."""
     low, high = (np.log([getattr(known(n), end) for n in names]) for end in ("low", "high"))
-    facts = machine_facts(task.machine).numbers
+    facts = machine_facts(machine).numbers
     for i, name in enumerate(names):
         if name.startswith("log.set_rpm"):
             low[i] = math.log(max(300.0, 1.13 * facts["engine.idle_rpm"]))
             high[i] = math.log(0.985 * facts["engine.no_load_rpm"])
-            mean[i] = min(max(mean[i], low[i]), high[i])
         if name.endswith("free_rolling_radius_m"):  # a file with another would be refused
             axle = name.partition(".")[0]
             radius_m = 0.5 * facts[f"tyre_{axle}.diameter_m"]
@@ -130,7 +137,7 @@ def prior_of(task: Task, names: Sequence[str], own: Mapping[str, tuple[float, fl
         if name == "engine.no_load_rpm":
             low[i] = math.log(max(1.002 * facts["engine.rated_rpm"],
                                   0.99 * facts["engine.no_load_rpm"]))  # fmt: skip
-    return Prior(tuple(names), np.array(mean), np.array(sd), low, high, tuple(grades))
+    return low, high
 
 
 def fitted_names(task: Task, usual: Sequence[str], absent: Iterable[str]) -> tuple[str, ...]:
