@@ -195,11 +195,15 @@ def _end(model: Model, prior: Prior, noise: Noise, u: Array) -> Array:
     return np.append(u, cost)
 
 
+def beside(u: Array, sign: Array | float = 1.0) -> Array:
+    """Parameters at u and a step from it in each, by logarithms: shape (1 + p, p)."""
+    return np.vstack([u[None], u + np.diag(np.broadcast_to(sign, u.shape) * STEP)])
+
+
 def _with_slopes(model: Model, u: Array, prior: Prior) -> tuple[Array, Array]:
     """Foretold channels (n, c), and their change with each parameter (n, c, p)."""
     sign = np.where(u + STEP > prior.high, -1.0, 1.0)
-    beside = u + np.diag(sign * STEP)
-    found = model.foretold(np.exp(np.vstack([u[None], beside])))
+    found = model.foretold(np.exp(beside(u, sign)))
     slopes = (found[1:] - found[0]) / (sign * STEP)[:, None, None]
     return found[0], np.moveaxis(slopes, 0, -1)
 

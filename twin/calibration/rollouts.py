@@ -8,6 +8,7 @@ have measured. The ground has no roughness and no variation: what those do is no
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from twin.calibration.applied import Values, machine_with, soil_with
 from twin.calibration.evidence import Evidence
+from twin.calibration.known import known
 from twin.machine.build import Machine, assemble
 from twin.machine.fuel import fuel_lph
 from twin.physics import block
@@ -42,6 +44,7 @@ AT_WORK_S = 12.0
 APPROACH_M = 15.0
 LEFT_OUT = ("aabb", "bvh", "rbound")
 """Fields of a model that no force depends on."""
+DRAFT = "soil.draft_scale"
 READ_OFF = ("engine.fuel_l_per_kwh", "log.reference_torque_nm", "log.wheel_scale")
 """Parameters that change what is measured, and nothing of the drive."""
 
@@ -122,11 +125,28 @@ class Rollouts:
 
     def foretold(self, values: Array) -> Array:
         """The channels in all segments for parameters (k, p): shape (k, n, c)."""
-        sets = [self.fixed | dict(zip(self.names, row.tolist(), strict=True)) for row in values]
+        return self._driven(self._sets(values), self.conditions)
+
+    def under_load(self, values: Array, gear: Gear, shares: Sequence[float]) -> Array:
+        """The channels at work for parameters (k, p) and shares (m,) of the draft: (k, m, c).
+
+        NaN where a machine does not pull so much.
+        """
+        usual = self.drawn.soil.resolved.draft_scale
+        loaded = [v | {DRAFT: min(share * v.get(DRAFT, usual), known(DRAFT).high)}
+                  for v in self._sets(values) for share in shares]  # fmt: skip
+        found = self._driven(loaded, (Condition(True, gear),))
+        return found.reshape(len(values), len(shares), -1)
+
+    def _sets(self, values: Array) -> list[dict[str, float]]:
+        return [self.fixed | dict(zip(self.names, row.tolist(), strict=True)) for row in values]
+
+    def _driven(self, sets: list[dict[str, float]], conditions: tuple[Condition, ...]) -> Array:
+        """The channels in some conditions: shape (k, n, c)."""
         moved = [tuple(x for n, x in v.items() if n not in READ_OFF) for v in sets]
         of_drive = list(dict.fromkeys(moved))
         drives = [sets[moved.index(each)] for each in of_drive]
-        driven = list(dict.fromkeys(self.conditions))
+        driven = list(dict.fromkeys(conditions))
         machine, snapshots = self._start(sets[0], driven[0].gear)
         gears = list(dict.fromkeys(c.gear for c in driven))
         made = {g: [assemble(self.drawn.scenario(v, g)) for v in drives] for g in gears}
@@ -140,7 +160,7 @@ class Rollouts:
         with quiet():
             slots = _means(simulation).reshape(len(drives), len(driven), -1)
         found = self._channels(sets, slots[[of_drive.index(each) for each in moved]])
-        return found[:, [driven.index(c) for c in self.conditions]]
+        return found[:, [driven.index(c) for c in conditions]]
 
     def _start(self, values: dict[str, float], gear: Gear) -> tuple[Machine, dict[bool, Snapshot]]:
         if self._started is None:

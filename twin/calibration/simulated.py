@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.calibration.applied import believed, can_fit, machine_with, soil_with
+from twin.calibration.applied import believed, can_fit, machine_with, reads, soil_with
 from twin.calibration.by_rollouts import ROLLOUT_NAMES
 from twin.calibration.calibrate import calibrate
 from twin.calibration.result import Calibration
@@ -91,7 +91,7 @@ def trial(seed: int) -> Trial:
 
 def drawn_truth(machine: Machine, soil: Soil, generator: np.random.Generator) -> dict[str, float]:
     """Values from what is believed of a machine and a soil, within the bounds of a fit."""
-    names = [n for n in DRAWN if can_fit(machine, n)]
+    names = [n for n in DRAWN if can_fit(machine, n) and reads(soil, n)]
     mean, sd = np.array([(math.log(v), s) for v, s, _ in
                          (believed(machine, soil, n) for n in names)]).T  # fmt: skip
     low, high = bounds(machine, names)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from estimators.lag import Lag
 from twin.calibration import gears as found_gears
-from twin.calibration.applied import believed, can_fit, machine_with, soil_with
+from twin.calibration.applied import believed, can_fit, machine_with, reads, soil_with
 from twin.calibration.fitting import Fit, Prior
 from twin.calibration.gears import Gear
 from twin.calibration.holdout import Holdout
@@ -19,7 +19,7 @@ from twin.calibration.kept import Memory
 from twin.calibration.known import known
 from twin.calibration.posterior import Posterior
 from twin.calibration.result import Calibration
-from twin.calibration.verdicts import misfit_note, together, told
+from twin.calibration.verdicts import far_notes, misfit_note, together, told
 from twin.errors import BadInput
 from twin.logs import Log
 from twin.scenario import Soil
@@ -143,12 +143,15 @@ def bounds(machine: Machine, names: Sequence[str]) -> tuple[Array, Array]:
 def fitted_names(task: Task, usual: Sequence[str], absent: Iterable[str]) -> tuple[str, ...]:
     """What is fitted: what was asked for and can be, or what the log has."""
     left_out = set(absent)
-    names = [n for n in usual if n not in left_out and can_fit(task.machine, n)]
+    names = [
+        n for n in usual if n not in left_out and can_fit(task.machine, n) and reads(task.soil, n)
+    ]
     if task.parameters is None:
         return tuple(names)
-    refused = [n for n in task.parameters if n not in usual]
+    refused = [n for n in task.parameters if n not in usual or not reads(task.soil, n)]
     if refused:
-        raise BadInput(f"{refused[0]} cannot be told from this kind of log; there are: "
+        raise BadInput(f"{refused[0]} cannot be told from this kind of log under the soil law "
+                       f"{task.soil.law}; there are: "
                        f"{', '.join(names)}")  # fmt: skip
     needed = [n for n in names if n.startswith("log.")]
     return tuple(dict.fromkeys([*task.parameters, *needed]))
@@ -177,6 +180,7 @@ def result_of(
     values = result.values
     found = told(result)
     noted = [*notes, *([said] if (said := misfit_note(result)) else [])]
+    noted += far_notes(result)
     noted += [f"{p.name} is at its bound, {p.value:.4g} {p.unit}: the log asks for more than is "
               "allowed" for p in found if p.at_bound]  # fmt: skip
     away = np.abs(result.starts - result.u).max(axis=1) / np.sqrt(np.diag(result.cov)).max()
