@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+from pathlib import Path
+
 import mujoco
 
 from twin.errors import BadInput
@@ -38,8 +41,12 @@ def joined(
 def _read(part: Machine | Implement) -> mujoco.MjSpec | None:
     """The hand-made MJCF; None where there is none."""
     path = mjcf_path(part)
-    if path is None:
-        return None
+    return None if path is None else _parsed(path, path.stat().st_mtime_ns).copy()
+
+
+@lru_cache(maxsize=8)
+def _parsed(path: Path, changed_ns: int) -> mujoco.MjSpec:
+    """A file's specification, to be copied: a copy takes a hundredth of the time of reading."""
     try:
         return mujoco.MjSpec.from_file(str(path))
     except ValueError as error:
