@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from twin.pipeline.drive import phases_of
 from twin.pipeline.result import Result
 from twin.plugins.lookup import attribute
 from twin.scores import scores
@@ -42,6 +41,8 @@ def log_scores(result: Result) -> scores.Scores:
     activity found in the log. The statistics are those of `result.found`, the notes and where slip
     is zero.
     """
+    from twin.pipeline.drive import phases_of  # slow to import, and a run needs it not
+
     known = {"phase", "depth_m"} & set(result.truth)
     told = result.truth and not known
     spans_ns = protocol_spans_ns(result.found)
