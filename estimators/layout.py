@@ -103,11 +103,11 @@ SIGNALS = np.dtype(
     align=True,
 )
 """One sample as speeds, at the rear-axle centre, along (x) and across (y) the body in the ground
-plane. `v_x`, `v_sd` stand in GNSS samples and in a camera's, `horizontal`
-in GNSS samples: the antenna's speed, `accel` and, as measured, `accel_x`
-and `gyro_y` in the IMU's, `wheel_*` in the wheels', else NaN. `wheel_age_s`: the speed is that of
+plane. GNSS and camera samples have `v_x`, `v_sd`; GNSS samples have `horizontal`, the antenna's
+speed; IMU samples have `accel` and, as measured, `accel_x` and `gyro_y`; wheel samples have
+`wheel_*`; all else is NaN. `wheel_age_s`: the speed is that of
 this much before the epoch. `one_*_speed`: those wheels' speeds are one and the same number. The
-rest is held from the last sample that told it."""
+rest is held from the last sample that had it."""
 
 MEMORY = np.dtype(
     [

@@ -134,7 +134,7 @@ class SlipEkf:
         return State(reader, known, state.tuning, memory), table
 
     def innovations(self, setup: Setup, streams: Streams) -> Table:
-        """What each measurement, refused or not, is off what was foretold, and its variance."""
+        """What each measurement, refused or not, is off what was predicted, and its variance."""
         state = self.init(setup)
         reader, samples = signals.read(state.reader, streams, USED)
         _, slow = held(state.held, streams)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from twin.errors import UnknownName
+from twin.errors import BadInput, UnknownName
 from twin.studies import plan
 
 SWEEPS = {"track": ("medium", "rough"), "accel_bias_sd_mps2": (0.0, 0.1, 0.1)}
@@ -52,3 +52,7 @@ def test_what_cannot_be_run_is_refused_before_anything_is():
         plan(["ima-pkf"], [0], ["ratoi"], {})
     with pytest.raises(UnknownName, match="scenario"):
         plan(["ima-pkf", "ima-pfk"], [0], ["ratio"], {})
+    with pytest.raises(BadInput, match="seed cannot be swept"):
+        plan(["ima-pkf"], [0], ["ratio"], {"seed": (1, 2)})
+    with pytest.raises(BadInput, match="name cannot be swept"):
+        plan(["ima-pkf"], [0], ["ratio"], {"name": ("a", "b")})

@@ -147,7 +147,7 @@ def _ratio(task: Task, gear: Gear) -> float:
 def _slip_ahead(
     task: Task, model: Rollouts, result: Fit, chosen: Sequence[Segment], scale: float
 ) -> Holdout | None:
-    """Slip of the rows held back, read at their force off the machine's own slip over force.
+    """Slip of the rows held back, predicted at their force by the machine's own slip over force.
 
     The force is engine torque x engine speed / wheel speed. None where the log has no engine load,
     or too few rows.

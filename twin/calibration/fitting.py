@@ -52,7 +52,7 @@ class Prior:
 
 
 class Model(Protocol):
-    """What foretells the measurements of the rows that are fitted."""
+    """What predicts the measurements of the rows that are fitted."""
 
     @property
     def measured(self) -> Array:
@@ -90,11 +90,11 @@ class Fit:
     """Of these logarithms, (p, p)."""
     noise: Noise
     residual: Array
-    """Measured less foretold, (n, c)."""
+    """Measured less predicted, (n, c)."""
     white: Array
     """The same, whitened."""
     slopes: Array
-    """Change of the foretold channels with the logarithms, (n, c, p)."""
+    """Change of the predicted channels with the logarithms, (n, c, p)."""
     cost: float
     misfit: float
     """Root mean square of the whitened residuals, by the noise that was measured."""
@@ -131,7 +131,7 @@ def fit(
     """The parameters that explain a log.
 
     Args:
-        model: foretells what was measured.
+        model: predicts what was measured.
         prior: what is believed before.
         seed: of the random starts.
         starts: how many; the first is the prior's mean.
@@ -201,7 +201,7 @@ def beside(u: Array, sign: Array | float = 1.0) -> Array:
 
 
 def _with_slopes(model: Model, u: Array, prior: Prior) -> tuple[Array, Array]:
-    """Foretold channels (n, c), and their change with each parameter (n, c, p)."""
+    """Predicted channels (n, c), and their change with each parameter (n, c, p)."""
     sign = np.where(u + STEP > prior.high, -1.0, 1.0)
     found = model.foretold(np.exp(beside(u, sign)))
     slopes = (found[1:] - found[0]) / (sign * STEP)[:, None, None]

@@ -1,4 +1,4 @@
-"""The part of a log that was never fitted, foretold and scored beside a line and a constant."""
+"""The part of a log that was never fitted, predicted and scored beside a line and a constant."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ HUBER_SLIP = 0.01
 
 @dataclass(frozen=True)
 class Holdout:
-    """Rows that were held back, foretold; and their scores."""
+    """Rows that were held back, predicted; and their scores."""
 
     rows: SteadyRows
     slip: Array
-    """Foretold."""
+    """Predicted."""
     slip_sd: Array
     measured: Array
     """By the scale of the wheels that was found; NaN where GNSS is not known."""
@@ -41,17 +41,17 @@ def held_out(
 ) -> Holdout:  # fmt: skip
     """Score rows that were never fitted.
 
-    The sd of the foretold slip has the parameters' uncertainty and the noise. Beside it stand a
-    straight line of slip in engine torque x engine speed / wheel speed by Huber's loss, and the
-    median, both of the fitted rows.
+    The sd of the predicted slip has the parameters' uncertainty and the noise. It is compared with
+    a straight line of slip in engine torque x engine speed / wheel speed by Huber's loss, and with
+    the median, both of the fitted rows.
 
     Args:
         rows: held back.
         fitted: the others.
-        ratios: ground over logged wheel speed of `rows`, foretold at the parameters' mean and
+        ratios: ground over logged wheel speed of `rows`, predicted at the parameters' mean and
             beside it, as `fitting.beside` has them. Shape (1 + p, n).
         cov: of the parameters' logarithms.
-        noise_sd: of a measured ratio about a foretold one.
+        noise_sd: of a measured ratio about a predicted one.
         scale: true over logged wheel speed at zero slip.
         seed: of the blocks that are drawn.
     """

@@ -29,7 +29,7 @@ class Known:
     low: float
     high: float
     settles: str
-    """The measurement that tells it apart from the others."""
+    """The measurement that separates it from the others."""
     numerics: Callable[[Mapping[str, float], float], dict[str, float]] | None = None
     """Numerics of a hand-made MJCF for a value; None where only a machine's file can hold it."""
     read: Callable[[Mapping[str, float]], float] | None = None

@@ -1,6 +1,6 @@
 """Forward model of short logs: the machine itself, driven in a Batch, many parameters side by side.
 
-Every segment is foretold for every set of parameters at once: the compiled machine starts rolling
+Every segment is predicted for every set of parameters at once: the compiled machine starts rolling
 in its furrow, or with the plough up, runs until it is steady, and its means are what a sensor would
 have measured. The ground has no roughness and no variation: what those do is noise of the log.
 """

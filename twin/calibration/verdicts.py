@@ -1,4 +1,4 @@
-"""What a log can tell of each parameter, said plainly."""
+"""Verdict of a log on each parameter: identified, weak or not identified."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MOST_IDENTIFIED, MOST_WEAK = 1.0 / 3.0, 0.9
 LEAST_SURE = 0.15
 """One that is known no better than this, relative, is weak whatever the prior was."""
 TOGETHER = 0.8
-"""Correlation from which two are told only together."""
+"""Correlation from which only the combination of two is known."""
 NORMAL_95 = 1.96
 FAR = 3.0
 """A parameter so many prior sd from what was believed is improbable."""
@@ -59,7 +59,7 @@ def told(fit: Fit) -> list[Told]:
 
 
 def together(fit: Fit) -> list[str]:
-    """Pairs that the log tells only together, in words."""
+    """Pairs of which the log gives only the combination, in words."""
     sds = np.sqrt(np.diag(fit.cov))
     correlation = fit.cov / np.outer(sds, sds)
     found = []

@@ -52,8 +52,8 @@ class Options:
     mask: tuple[float, float] | None = None
     """Mask both GNSS antennas: start of the mask and its duration [s]."""
     posterior: int = 0
-    """Drive so many machines, drawn from the posterior beside a calibrated machine's file, too, and
-    show the band of every figure."""
+    """Drive this many machines more, drawn from the posterior beside a calibrated machine's file,
+    and show the band of every figure."""
     view: bool = False
     """Open the recording in the rerun viewer at the end."""
     quiet: bool = False

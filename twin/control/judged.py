@@ -48,7 +48,7 @@ class Measure:
 
 
 def told(name: str) -> Value:
-    """What infos tell under a name."""
+    """Values of the infos under a name."""
     return lambda episodes, known: known[name]
 
 

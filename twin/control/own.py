@@ -33,7 +33,7 @@ MUST_HAVE = (
 
 @dataclass(frozen=True, kw_only=True)
 class ControllerSetup:
-    """What a controller of one tractor is told before it starts."""
+    """What a controller of one tractor gets before it starts."""
 
     environment: str
     """Where it drives: `Plough-v0`, say."""
@@ -44,7 +44,7 @@ class ControllerSetup:
     actions: tuple[str, ...]
     """Names of the actions, in order; each lies in [-1, 1]."""
     streams: Setup
-    """What an estimator is told: nominal wheel radii, wheelbase, rates and noise of the sensors."""
+    """Set-up of the estimators: nominal wheel radii, wheelbase, rates and noise of the sensors."""
 
 
 class OwnController(Protocol):
@@ -62,7 +62,7 @@ AnyController: TypeAlias = Controller | OwnController
 
 
 def setup_of(episodes: Episodes) -> ControllerSetup:
-    """What the controllers of an environment are told."""
+    """Set-up of an environment's controllers."""
     machine = episodes.fleet.machine
     return ControllerSetup(
         environment=machine.scenario.name,
@@ -149,7 +149,7 @@ def acted(
         state: its own.
         names: of the observation's entries.
         observation: what is seen (count, entries).
-        setup: what it was told.
+        setup: given to its `init`.
         name: what messages call it.
 
     Returns:

@@ -41,7 +41,7 @@ ENVIRONMENTS: dict[str, tuple[Callable[..., ManyEnv], Mapping[str, Controller]]]
 
 
 def setup(environment: str, observation: str) -> ControllerSetup:
-    """What controllers of an environment are told, by its id and what they observe."""
+    """Set-up of an environment's controllers, by its id and its observation."""
     with closing(ENVIRONMENTS[environment][0](1, observation=observation)) as env:
         return own.setup_of(env.episodes)
 
@@ -56,8 +56,9 @@ def drive(
 ) -> dict[str, Array]:
     """One episode of a controller on each ground.
 
-    A stalled tractor stands for the rest of the time: it works nothing, and its errors are those
-    of standing in the furrow. Reward is the mean of all control steps, the rest after the entry.
+    A stalled tractor stands still for the rest of the time: it works nothing, and its errors are
+    those of standing in the furrow. The reward is the mean of all control steps; the other figures
+    begin after the entry.
 
     Args:
         env: as many tractors as grounds; its observations are what the controller sees.

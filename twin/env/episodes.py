@@ -52,7 +52,7 @@ class Episodes:
     derived: tuple[str, ...] = ()
     """What else is known, beside what is true."""
     known: tuple[str, ...]
-    """What infos tell, of the true and the derived."""
+    """Names of the infos: true and derived values."""
     task: tuple[str, ...]
     """What every observation ends with."""
 

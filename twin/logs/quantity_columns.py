@@ -52,7 +52,7 @@ def si_values(
         signal: the column, or its rows that have a time.
         at: number in the log of each of its rows.
         columns_of: the map.
-        told: takes the notes and the losses.
+        told: list to which notes and losses are added.
     """
     quantity, name = QUANTITIES[section][key], source.column
     fastest_kmh = columns_of.reading.fastest_kmh

@@ -224,7 +224,7 @@ def _drop_spikes(
 
 
 def _judged_by(key: str, table: Table) -> tuple[str, ...]:
-    """The columns in which a spike shows: a velocity turns, and only its size tells."""
+    """The columns in which a spike shows: a velocity turns, so only its size shows a spike."""
     if key == "v_east":
         columns: tuple[str, ...] = ("v_east_mps", "v_north_mps")
     elif key in ("east", "north"):

@@ -27,7 +27,7 @@ from twin.scenario import Soil as Ground
 
 Array = NDArray[np.float64]
 HARD = "asphalt"
-"""Preset that stands for a hard surface."""
+"""Preset of the hard surface."""
 REACH = 0.2
 """Slip within which the zero lies."""
 

@@ -31,7 +31,7 @@ def _torque_of(power_w: float, rpm: float) -> float:
 
 @law
 def _measured_torque_nm(engine: Array, rpm: float) -> float:
-    """Linear between the measured points, which stand in the order of their speeds."""
+    """Linear between the measured points, in the order of their speeds."""
     count, at = int(engine[Engine.POINT_COUNT]), POINTS
     torque = engine[at + 1]
     for i in range(1, count):

@@ -52,7 +52,7 @@ class LawKind:
             name: what messages call it.
 
         Raises:
-            BadInput: it stands in no file, cannot be compiled, or the table is full.
+            BadInput: the law is in no file, cannot be compiled, or the table is full.
         """
         number = int(key(self.file, self._source(function, name), name)[:12], 16)
         known = self.known.get(number)
@@ -71,7 +71,7 @@ class LawKind:
         self.table[rows[0], 0], self.table[rows[0], 1] = number, compiled.address or 0
 
     def _source(self, function: Function, name: str) -> str:
-        """Text of the file a law stands in."""
+        """Text of a law's file."""
         try:
             module = inspect.getmodule(getattr(function, "py_func", function))
             return inspect.getsource(module)  # type: ignore[arg-type]  # None is a TypeError too

@@ -24,7 +24,7 @@ FROM_TRUTH = {
     "draft_pin_n": "draft_n", "axle_torque_nm": "axle_torque_nm", "engine_radps": "engine_radps",
     "fuel_lph": "fuel_lph", "speed_mps": "speed_mps", "depth_m": "depth_m", "true_slip": "slip",
 }  # fmt: skip
-"""Column of a timeline -> the truth's that stands in for it where no sensor measured it."""
+"""Column of a timeline -> column of the truth that replaces it where no sensor measured it."""
 
 
 @dataclass(frozen=True, kw_only=True)

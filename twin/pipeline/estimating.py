@@ -1,4 +1,4 @@
-"""What an estimator makes of streams; failures and malformed tables as errors that say where."""
+"""Run estimators on streams; failures and malformed tables are errors that say where."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from twin.plugins.percent import percent_note
 from twin.streams import ESTIMATES, Setup, Streams, Table
 
 QUANTITIES = tuple(c for c in ESTIMATES if c not in ("epoch_ns", "flags"))
-"""What an estimate may tell; flags say how."""
+"""Quantities that an estimate may have."""
 
 
 State: TypeAlias = Any
@@ -53,8 +53,8 @@ def all_estimates(
 
     Args:
         estimators: by name.
-        setup, streams: what each is told, and what it sees.
-        told: told how many of how many are done.
+        setup, streams: given to each.
+        told: called with the number of estimators that are done, and of all.
     """
     tables: dict[str, Table] = {}
     failed: dict[str, str] = {}
@@ -84,7 +84,7 @@ def estimates(name: str, estimator: Estimator, setup: Setup, streams: Streams) -
     Args:
         name: what messages call it.
         estimator: with `init(setup) -> state` and `run(state, chunk) -> (state, table)`.
-        setup, streams: what it is told, and what it sees; it cannot change them for others.
+        setup, streams: given to it; it cannot change them for others.
 
     Raises:
         BadInput: it fails, gives no pair, or a table that is not one of estimates

@@ -112,7 +112,7 @@ def estimate(
         offset_s: file name -> how far its clock is ahead of the first file's [s]; what is not
             given is found from the speeds.
         hide_s: for how long GNSS is hidden at regular places while driving [s];
-            `scores["hidden"]` then says how well each estimator foretold the receiver's speed.
+            `scores["hidden"]` has the errors of each estimator's predicted speed.
         tuning: file that `twin tune` wrote: other noises of some of the estimators.
 
     Raises:
@@ -137,7 +137,7 @@ def estimate(
 def by_name(
     estimators: Iterable[str | Estimator] | Mapping[str, Estimator],
 ) -> dict[str, Estimator]:
-    """Estimators by name: a mapping as it is, names looked up, objects under their class' name.
+    """Estimators by name: a mapping unchanged, names looked up, objects under their class' name.
 
     Raises:
         UnknownName: there is no such estimator.

@@ -30,7 +30,7 @@ class Measured(Protocol):
         """The seed of everything random in it."""
 
     def measure(self) -> tuple[Setup, Streams, Table]:
-        """What the estimators are told, what they see, and the truth."""
+        """The estimators' set-up, the streams, and the truth."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Result:
     scenario: Scenario | Measured | None
     """The scenario that was driven, with the numbers of its presets filled in; None for a log."""
     setup: Setup
-    """What the estimators are told."""
+    """The estimators' set-up: nominal values."""
     streams: Streams
     """What the estimators see."""
     truth: Table

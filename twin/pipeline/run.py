@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     from twin.camera.tracking import Tracker
 
 Progress = Callable[[float, float], None]
-"""Told the share of the course driven, 0 to 1, and the time driven [s]."""
+"""Called with the share of the course driven, 0 to 1, and the time driven [s]."""
 KEPT_EVERY = 10
-"""Of the camera's frames every so many are kept to be looked at."""
+"""One in this many of the camera's frames is saved."""
 
 
 def run(

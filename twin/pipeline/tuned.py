@@ -56,7 +56,7 @@ class Noises:
 
 @dataclass(frozen=True)
 class Tuned:
-    """An estimator that is told other sd of the sensors; it has its own values already."""
+    """An estimator that gets other sd of the sensors; its own values are set already."""
 
     estimator: Thing
     factors: Numbers
@@ -71,7 +71,7 @@ class Tuned:
         return self.estimator.init(scaled_setup(setup, self.factors))
 
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
-        """What the estimator makes of the chunk."""
+        """The estimator's new state, and its estimates of the chunk."""
         result: tuple[State, Table] = self.estimator.run(state, scaled_streams(chunk, self.factors))
         return result
 

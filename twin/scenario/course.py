@@ -56,7 +56,7 @@ class Course:
     approach_m: float = 15.0
     """Distance before the plough is lowered, or before `length_m` begins [m]."""
     length_m: float = 200.0
-    """Distance after the approach [m]; with a plough, the ploughed length. `scores.json` tells the
+    """Distance after the approach [m]; with a plough, the ploughed length. `scores.json` has the
     part that is scored."""
     passes: int = 1
     """How often the field is crossed, up and down, with turns on the headlands between."""

@@ -102,7 +102,7 @@ class Event:
     kmh: float | None = None
     """Speed without slip at the set engine speed, whose nearest ratio is driven [km/h]."""
     by: int | None = None
-    """So many gears up, or down where below 0."""
+    """Number of gears up; below 0, down."""
     pedal: float | None = None
     """0 released, 1 pressed down."""
     for_s: float | None = None

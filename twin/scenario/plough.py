@@ -20,7 +20,7 @@ five holes over some 0.2 m."""
 
 @dataclass(frozen=True, kw_only=True)
 class Plough:
-    """How the implement is set; which one it is stands in `Scenario.implement`."""
+    """How the implement is set. `Scenario.implement` says which one it is."""
 
     depth_m: float = 0.25
     """Working depth [m], within what the implement works at."""

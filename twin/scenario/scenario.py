@@ -59,7 +59,7 @@ class Scenario:
     """Time step of the physics [s]."""
     zero_slip: str = "law"
     """Where slip is zero (ASABE S296): hard-torque, hard-pull, field-torque or field-pull; law for
-    the soil law's own zero. The truth's slip and the radii that estimators are told follow it."""
+    the soil law's own zero. The truth's slip and the nominal radii of the set-up follow it."""
     seed: int = 0
     """Seed of everything random: ground, sensors, mounting errors."""
     machine_numbers: Machine | None = None

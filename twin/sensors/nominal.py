@@ -1,4 +1,4 @@
-"""What an estimator is told of the sensors: data sheets and tape measure, never a true error."""
+"""Set-up of the sensors for estimators: data sheets and tape measure, never a true error."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ def read(
 ) -> tuple[Reader, Stamps, dict[str, Array]]:
     """Columns of a trajectory at the sensor's epochs.
 
-    On the physics grid a row is taken as it is; between two rows it is interpolated linearly,
+    A row on the physics grid is taken unchanged; between two rows it is interpolated linearly,
     x = a + f (b - a), which errs by at most x'' h^2 / 8: 1 um for 2 m/s2 on a 2 ms grid.
 
     Args:

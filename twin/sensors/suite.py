@@ -81,9 +81,9 @@ class Sensors:
 
 @dataclass(frozen=True, kw_only=True)
 class SuiteState:
-    """Where each sensor stands, and the samples that are still on their way.
+    """State of each sensor, and the samples that have not arrived yet.
 
-    It holds random generators, which move on as it is used: to branch a run, deep-copy it first.
+    It holds random generators, which `sample` advances: to branch a run, deep-copy it first.
     """
 
     sensors: dict[str, State]
@@ -117,7 +117,7 @@ def sample(sensors: Sensors, state: SuiteState, chunk: Trajectory) -> tuple[Suit
 
     A sample that describes an instant of this chunk but is still on its way comes out of a
     later one, so whoever consumes the stream as it runs sees nothing early, and every chunking
-    hands on the same samples in the same order.
+    gives the same samples in the same order.
     """
     states, waiting, arrived, held = {}, {}, {}, state.held
     switched = dict(state.switched)

@@ -192,7 +192,7 @@ def work(
     seen: Observation,
     dt_s: float,
 ) -> tuple[float, float]:
-    """Lift and trim while the plough is lowered, then held as the hitch is told to."""
+    """Lift and trim while the plough is lowered, then by the hitch's mode."""
     if task.hitch == HitchControl.DEPTH:
         if at_depth or lift_rad <= task.work_rad + trim_rad:
             rate = DEPTH_GAIN_RAD_PER_MS * (seen.depth_m - task.depth_m)

@@ -1,6 +1,7 @@
 """The runs of a study.
 
-The same seeds serve every scenario, sweep and estimator, so that differences are paired.
+Every scenario and every combination of swept values is run with the same seeds, and all estimators
+see the same runs. So two estimators can be compared seed by seed.
 """
 
 from __future__ import annotations
@@ -19,6 +20,13 @@ from twin.pipeline import named as registry
 from twin.pipeline.unread import complaint
 from twin.plugins.lookup import Thing
 from twin.scenario import Scenario, fields
+
+NOT_SWEPT = {
+    "seed": "`--seeds` takes the seeds (`seeds=` from Python)",
+    "name": "it changes nothing in a run",
+    "about": "it changes nothing in a run",
+}
+"""Fields that cannot be swept, and why."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,8 +91,12 @@ def _settings(
     """The settings of a plan, and what is said of those that are left out.
 
     Raises:
-        BadInput: all are left out, or a scenario is as it stands, without a sweep.
+        BadInput: a field cannot be swept, all settings are left out, or a scenario without a sweep
+            sets a field that its run would not read.
     """
+    for path in sweeps:
+        if path in NOT_SWEPT:
+            raise BadInput(f"{path} cannot be swept: {NOT_SWEPT[path]}")
     kept: list[Setting] = []
     said: list[str] = []
     for scenario in dict.fromkeys(scenarios):
@@ -105,7 +117,7 @@ def _settings(
 
 
 def _told(name: str, estimator: Thing) -> Plain:
-    """What tells an estimator from another: its name, and its settings where it shows them."""
+    """What identifies an estimator: its name, and its settings if it is a dataclass."""
     shows = dataclasses.is_dataclass(estimator) and not isinstance(estimator, type)
     return [name, to_plain(estimator) if shows else None]
 

@@ -104,7 +104,7 @@ class End:
         return f"{self.outcome}{when if self.early else ''}: {words}"
 
     def plain(self) -> dict[str, bool | float | str]:
-        """As it stands in scores.json."""
+        """The form in scores.json."""
         return {
             "outcome": str(self.outcome), "as_planned": self.as_planned, "time_s": self.time_s,
             "along_m": self.along_m, "left_m": self.left_m, "way": self.way,

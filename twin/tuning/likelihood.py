@@ -27,7 +27,7 @@ def innovations(name: str, estimator: Thing, setup: Setup, streams: Streams) -> 
     Args:
         name: what messages call the estimator.
         estimator: with `innovations(setup, streams) -> table`.
-        setup, streams: what it is told, and what it sees.
+        setup, streams: given to it.
 
     Raises:
         BadInput: it has none, fails, or its table lacks a column.

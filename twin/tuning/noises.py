@@ -1,4 +1,4 @@
-"""Which noises there are to tune, what stands for them now, and how far that may be off."""
+"""Which noises can be tuned, their present values, and how far these may be off."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from twin.streams import Setup, Streams
 PRIOR_FACTOR = {"measured": 1.2, "published": 2.0, "derived": 3.0, "assumed": 10.0}
 """Grade of a value -> the factor by which it is off by one standard deviation of the prior."""
 BOUND_SD = 3.0
-"""No value is moved by more than so many of these."""
+"""No value is changed by more than this many standard deviations of the prior."""
 
 
 @dataclass(frozen=True, kw_only=True)

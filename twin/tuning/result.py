@@ -22,7 +22,7 @@ class Value:
     grade: str
     before: float
     value: float
-    """What the log says; `before` where it cannot tell, or agrees with it."""
+    """Value by the log; `before` where the log does not determine it, or agrees with it."""
     low: float
     high: float
     """95 % interval; NaN where there is none."""

@@ -1,4 +1,4 @@
-"""`twin.tune`: process and sensor noises of estimators from one's own log."""
+"""`twin.tune`: process and sensor noises of estimators from your own log."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def tune(
     """The noises under which a log's innovations are likeliest, estimator by estimator.
 
     The first part of the log is learnt from. What is gained is measured on the rest, by pairs of
-    blocks of time. A noise that the log cannot tell, or of which it says no other, stays.
+    blocks of time. A noise that the log does not determine, or confirms, keeps its value.
 
     Args:
         log: a run folder, a table, NMEA, CAN, UBX, a bag, or what `reader` reads; or several files.
@@ -52,7 +52,7 @@ def tune(
         learn_share: part of the log's time that is learnt from.
         strict: refuse a log with a single bad row.
         seed: of the points where searches begin.
-        told: told how many estimators of how many are done.
+        told: called with the number of estimators that are done, and of all.
 
     Raises:
         BadInput: the log or the map cannot be used, the log is too short, or an estimator gives no

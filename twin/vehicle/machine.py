@@ -46,7 +46,7 @@ class Axle:
     free_rolling_radius_m: Annotated[float | None, Range(0.05, 1.5)] = None
     """Rolling radius without load."""
     rolling_radius_m: Annotated[float | None, Range(0.05, 1.5)] = None
-    """Rolling radius at the load of work: what an estimator is told."""
+    """Rolling radius at the load of work: the nominal radius of the set-up."""
     deflection_ratio: Annotated[float | None, Range(0.02, 0.4)] = None
     """Deflection over section height in Brixius' mobility number [-]."""
     stiffness_npm: Annotated[float | None, Range(5e3, 2e6)] = None
@@ -151,7 +151,7 @@ class Transmission:
 
 @dataclass(frozen=True, kw_only=True)
 class Drive:
-    """Which axles are driven, and what they hand on."""
+    """Driven axles, differential and clutch, and the torques that they hold."""
 
     driven: str = "rear"
     """rear, or all where the front axle can be engaged."""
@@ -162,11 +162,11 @@ class Drive:
     differential_lock: bool = True
     """Whether the rear differential can be locked."""
     clutch_nm: Annotated[float | None, Range(0.5, 20000)] = None
-    """Torque the clutch holds, at the engine."""
+    """Torque the clutch holds, at the engine [N m]."""
     lock_nm: Annotated[float | None, Range(1, 1e6)] = None
-    """Torque the lock holds, at the axle."""
+    """Torque the lock holds, at the axle [N m]."""
     front_nm: Annotated[float | None, Range(1, 1e6)] = None
-    """Torque the drive of the front axle holds, at that axle."""
+    """Torque the drive of the front axle holds, at that axle [N m]."""
 
     def __post_init__(self) -> None:
         if self.driven not in DRIVEN:

@@ -79,16 +79,16 @@ def worked(moments: Table, scenario: Thing, ground: Ground) -> list[tuple[Cut, P
 def log_ploughing(
     recording: rr.RecordingStream, truth: Table, scenario: Thing, ground: Ground
 ) -> None:
-    """Slices that lie turned behind each body, and before it the land that it will cut.
+    """Turned slices behind each plough body, and the unploughed ground that it will cut.
 
-    Each piece is logged once, when the body is there: a slice is seen from then on, land until
-    then (`twin.viz.blueprint`).
+    Each piece is logged once, at the time when the body is there. A slice is shown from that time
+    on, unploughed ground until that time (`twin.viz.blueprint`).
     """
     if ground.bodies is None:
         return
     moments = every(truth, STRIPS_HZ)
     for entity, pieces, colour in (
-        (FURROW, slices(moments, scenario, ground, ground.bodies), TURNED),
+        (FURROW, slices(moments, ground, ground.bodies), TURNED),
         (LAND, land(moments, scenario, ground, ground.bodies), soil_colour(scenario)),
     ):
         rows, centre, half_m, xyzw = pieces
@@ -113,11 +113,17 @@ Pieces = tuple[Array, Array, Array, Array]
 (n, m, 3) and quaternion xyzw (n, m, 4) of a box for each of m bodies."""
 
 
-def slices(moments: Table, scenario: Thing, ground: Ground, bodies: Bodies) -> Pieces:
-    """What the bodies turned over between moments: each slice leans on the one before.
+def slices(moments: Table, ground: Ground, bodies: Bodies) -> Pieces:
+    """The slices that the plough's bodies turned over. Each leans on the one beside it.
 
-    A slice of width w and depth d stands on the sole at asin(d / w), its upper edge away from the
-    land; so it reaches from the sole up to w sin(a) + d cos(a).
+    The width w of a slice of depth d is inclined to the furrow's bottom by
+    a = asin(min(d / w, 0.85)), its upper edge away from the unploughed ground. So the slice reaches
+    up to w sin(a) + d cos(a) above the bottom.
+
+    Args:
+        moments: rows of the truth, two per second (n).
+        ground: orientation and heights of the ground.
+        bodies: of the plough (m).
     """
     rows, s, t, yaw, way = _at_the_bodies(moments, ground, bodies, bodies.open_m)
     depth_m = np.maximum(moments.get("depth_m", np.zeros(1))[rows], SHALLOWEST_M)
@@ -133,7 +139,7 @@ def slices(moments: Table, scenario: Thing, ground: Ground, bodies: Bodies) -> P
 
 
 def land(moments: Table, scenario: Thing, ground: Ground, bodies: Bodies) -> Pieces:
-    """What each body cuts between moments, as it lies before; the first one's up to the wall."""
+    """The ground that each body will cut, from row to row; the first body's reaches to the wall."""
     over_m = np.zeros(bodies.count)
     over_m[0] = bodies.wall_m - bodies.edge_m[0] - bodies.width_m
     rows, s, t, yaw, _ = _at_the_bodies(moments, ground, bodies, 0.5 * over_m)

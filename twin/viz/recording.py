@@ -94,7 +94,7 @@ def log(
         path: the .rrd file.
         streams, setup, estimates: of the drive.
         reference: what is known of the truth.
-        notes: what was found in reading it, told among the events.
+        notes: found in reading it; shown among the events.
     """
     placed = "gnss" in streams and "east_m" in streams["gnss"]
     geodetic = setup.origin is not None and placed
