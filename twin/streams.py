@@ -68,7 +68,7 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     ),
     "camera": (
         "frame", "interval_s", "v_x_mps", "v_y_mps", "var_x_m2ps2", "var_y_m2ps2", "cov_xy_m2ps2",
-        "yaw_rad", "scale", "quality", "used", "reason",
+        "yaw_rad", "scale", "tilt_ahead_rad", "tilt_left_rad", "quality", "used", "reason",
     ),
 }  # fmt: skip
 """Columns each sensor may have beside its stamps.
@@ -78,10 +78,11 @@ COLUMNS: dict[str, tuple[str, ...]] = {
 vehicle speed is in both driven wheels' columns); `frame` is the number of a camera's frame,
 int64, under which `Streams.frames` has it. A camera with odometry on board gives no frames. Its
 columns are the velocity of its optical centre, forward and left in the ground plane, over the
-`interval_s` about the epoch, its covariance, `yaw_rad` by which the camera turned, and `scale` by
-which its height grew. They are NaN where a frame was not `used`, for a `reason`
-(`estimators.odometry.lens.Reason`), and contain the yaw and tilt of its mounting. Samples that
-arrive at the same instant are processed in the order of the sensors here.
+`interval_s` about the epoch, its covariance, `yaw_rad` by which the camera turned, `scale` by which
+its height grew, and how far the ground's normal leans forward and left in the camera's axes. They
+are NaN where a frame was not `used`, for a `reason` (`estimators.odometry.lens.Reason`), and
+contain the yaw and tilt of its mounting. Samples that arrive at the same instant are processed in
+the order of the sensors here.
 """
 
 ESTIMATES = (

@@ -72,7 +72,7 @@ def find(previous: Picture, current: Picture, start: Array) -> Found | None:
     height, width = current.shape
     unknown = np.zeros(UNKNOWNS)
     unknown[:6] = halves(start, current.shape)
-    edge = min(EDGE_PX, min(height, width) // 8)
+    edge = edge_px(current.shape)
     every = COARSE_PX
     for _ in range(STEPS):
         sums = _sums(previous, current, unknown[:6].astype(np.float32), edge, every)
@@ -98,6 +98,11 @@ def find(previous: Picture, current: Picture, start: Array) -> Found | None:
         correlation=float((both - left) / max(both + left, 1e-12)),
         variance_px2=left * 0.5 * float(inverse[0, 0] + inverse[1, 1]),
     )
+
+
+def edge_px(shape: tuple[int, ...]) -> int:
+    """Along each edge of a picture of this shape, what no point is taken of."""
+    return min(EDGE_PX, min(shape) // 8)
 
 
 def halves(warp: Array, shape: tuple[int, ...]) -> Array:

@@ -17,6 +17,8 @@ LEAST_SURE = 0.15
 TOGETHER = 0.8
 """Correlation from which only the combination of two is known."""
 NORMAL_95 = 1.96
+FAR = 3.0
+"""A parameter so many prior sd from what was believed is improbable."""
 
 
 @dataclass(frozen=True)
@@ -78,3 +80,14 @@ def misfit_note(fit: Fit) -> str:
         f"the model misses the log by {fit.misfit:.1f} times its noise: something else is in the "
         "log, or the soil law is another; the intervals are widened by as much"
     )
+
+
+def far_notes(fit: Fit) -> list[str]:
+    """What is said of parameters that are far from what was believed before."""
+    away = (fit.u - fit.prior.mean) / fit.prior.sd
+    return [
+        f"{name} is {abs(z):.1f} sd from what was believed: the file is of another machine, or the "
+        "soil law is another, and the parameter bends to it"
+        for name, z in zip(fit.prior.names, away, strict=True)
+        if abs(z) > FAR and not name.startswith("log.")
+    ]

@@ -30,6 +30,7 @@ from numba.core.sigutils import normalize_signature
 
 from twin.compute import waiting
 from twin.compute.kernel import Kernel, without_collection
+from twin.compute.numba_arrays import load_numba_arrays
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -210,6 +211,7 @@ class _Cache(FunctionCache):  # type: ignore[misc]
         Two processes that compile the function for different types at the same moment may both
         write the first data file, and then the index gives one's types to the other's code.
         """
+        load_numba_arrays()
         try:
             found = super().load_overload(sig, target_context)
         except Exception:  # a damaged file: numba unpickles what it finds

@@ -55,7 +55,7 @@ def told(name: str) -> Value:
 def squared(name: str, target: str | None = None) -> Value:
     """Its square, or that of its difference from an attribute of the episodes."""
 
-    def value(episodes: Any, known: Known) -> Array:
+    def value(episodes: Episodes, known: Known) -> Array:
         error = known[name] - (0.0 if target is None else getattr(episodes, target))
         return np.asarray(error**2)
 

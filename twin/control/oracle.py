@@ -1,15 +1,17 @@
-"""The published oracle: plans by one who knows the ground, found by the cross-entropy method.
+"""The oracle, whose plans ship with the package: open-loop plans found by the cross-entropy method.
 
-A plan is a line through knots of the actions, `KNOT_S` apart, driven without looking. It begins as
-what the tuned PI did on that ground, and is changed by hats, first wide and then narrow:
+A plan holds every action at knots `KNOT_S` apart, linear in between, and reads no observation. It
+begins as the actions of the tuned PI on that ground. Triangular functions h_k of time change it,
+first one constant, then more and narrower ones:
 
     plan = clip(base + sum of w_k h_k(t), -1, 1)        w_k ~ N(mean, sd)
 
-From each round the best plans give the next mean and sd. The simulator itself is what the search
-asks, so the oracle knows all of the ground; it is no bound, but what such a search has found.
+`base` is the best plan of the stage before, and each action has its own w_k. The next mean and sd
+are those of the best plans of a round, with a share `KEPT` of the last ones. The search drives the
+simulator itself, so it knows all of the ground. It gives no bound, only what it has found.
 
 `python -m twin.control.oracle [ENV]` plans the held-out grounds, 25 at a time, and writes the
-shipped file; it goes on where that file ends. Delete the file to search anew.
+environment's file; it goes on where that file ends. Delete the file to search anew.
 
 Source of the method: Rubinstein and Kroese 2004, The cross-entropy method.
 """

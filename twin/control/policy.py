@@ -111,7 +111,7 @@ class Task:
 
 
 CALM = PI(throttle=0.939, trim_m=-0.0426, kp_m=0.8, ki_mps=0.035)
-"""A PI of about 0.2 times the tuned gain: it neither shakes the hitch nor lifts the plough further
+"""A PI of about 0.3 times the tuned gain: it neither shakes the hitch nor lifts the plough further
 on hopeless ground than a policy can put it down again."""
 
 TASKS = {

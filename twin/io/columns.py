@@ -158,6 +158,11 @@ STREAMS: dict[str, Columns] = {
             "-", "-",
             "height above the ground at this frame over that at the one before"
         ),
+        "tilt_ahead_rad": Column(
+            "rad", "-",
+            "how far the ground's normal leans forward in the camera's axes, over some seconds"
+        ),
+        "tilt_left_rad": Column("rad", "-", "the same to the left"),
         "quality": Column("-", "-", "how well the two pictures match, 0 to 1"),
         "used": Column("true/false", "-", "whether the frame gave a velocity"),
         "reason": Column(

@@ -55,6 +55,7 @@ def si_values(
         told: list to which notes and losses are added.
     """
     quantity, name = QUANTITIES[section][key], source.column
+    fastest_kmh = columns_of.reading.fastest_kmh
     raw, wrong = numbers(name, signal.cells)
     table = "log" if signal.epoch_ns is None else name
     if wrong.any():
@@ -78,11 +79,11 @@ def si_values(
         )
     si = np.where(holes | codes, np.nan, si) if holes.any() or codes.any() else si
     if quantity.dimension == "speed":
-        check_usual_speed(name, source.unit, factor, si)
-    odd = implausible(quantity, si)
+        check_usual_speed(name, source.unit, factor, si, fastest_kmh)
+    odd = implausible(quantity, si, fastest_kmh)
     if odd.any():
         row = int(np.argmax(odd))
-        why = why_implausible(quantity, source.unit, factor, float(si[row]))
+        why = why_implausible(quantity, source.unit, factor, float(si[row]), fastest_kmh)
         told.losses.append(
             Loss(table, at[odd], len(si), f"column {quoted(name)}, row {at[row]}: {why}")
         )

@@ -138,9 +138,23 @@ def section_table(
     columns_of: ColumnMap,
     told: Told,
 ) -> Table:
-    """SI columns of a section at the times of its first signal.
+    """SI columns of a section of the map, at the times of its first signal.
 
-    Numbers that count, and labels, are held; all others are interpolated linearly, except in gaps.
+    Other signals are brought to these times: quality, numbers of satellites and direction keep
+    their last value, all others are interpolated linearly, except in gaps. Ticks must have these
+    times already. Rows that a slower source carried forward are then left out, and single spikes
+    become NaN.
+
+    Args:
+        section: "gnss", "wheels" and so on.
+        sources: key of the map -> the column that it names.
+        files: the columns of every file.
+        columns_of: the map.
+        told: notes and assumptions, added to.
+
+    Raises:
+        BadInput: a column is missing or in several files, a value's unit is unknown, or ticks have
+            other times.
     """
     table: Table = {}
     moved: list[str] = []

@@ -1,6 +1,8 @@
-"""Users' laws in a table of function addresses: compiled once, found by a number of their source.
+"""Users' laws, compiled and entered in a table of function addresses.
 
-What a soil law and an implement's law have in common. The compiled callback reads the tables.
+Soil laws and implement laws share this code; each kind has its own table. A law is compiled once
+in a process and identified by a number: a hash of its module's text, its name and the text of the
+module that defines the interface. MuJoCo's passive-force callback reads the tables.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,13 +18,17 @@ QUANTITIES = tuple(c for c in ESTIMATES if c not in ("epoch_ns", "flags"))
 """Quantities that an estimate may have."""
 
 
+State: TypeAlias = Any
+"""Whatever an estimator keeps from one chunk to the next."""
+
+
 class Estimator(Protocol):
     """What consumes streams: a state at the start, then a new state and estimates per chunk."""
 
-    def init(self, setup: Setup) -> Any:
+    def init(self, setup: Setup) -> State:
         """State before the first sample."""
 
-    def run(self, state: Any, chunk: Streams) -> tuple[Any, Table]:
+    def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
         """New state, and what is estimated from the chunk."""
 
 

@@ -131,13 +131,13 @@ def _own_drives(
             tracker = tracking.tracker(setup, camera.odometry, camera.processing_s)
             tracked = first
             if tracker is not None:
-                tracker, tracked = tracking.track(tracker, first, pool)
+                tracker, tracked = tracker.track(first, pool)
             state, _ = own.run(own.init(setup), tracked)
             before = Calibrated(seen=Streams(first.tables), tracker=tracker,
                                 camera=tracked["camera"], state=state)  # fmt: skip
         after = _cut(streams, lambda epoch_ns: epoch_ns >= start_ns)
         if before.tracker is not None:
-            _, after = tracking.track(before.tracker, after, pool)
+            _, after = before.tracker.track(after, pool)
     rows = {masked: drive[1]["gnss"] for masked, drive in drives.items() if "gnss" in drive[1]}
     late = {m: _cut(Streams({"gnss": g}), lambda e: e >= start_ns)["gnss"] for m, g in rows.items()}
     runs = {m: Streams({**after.tables, "gnss": late[m]}) if m in late else after for m in drives}

@@ -1,7 +1,8 @@
 """The field experiment of Fu et al. (INMATEH 77-13): four depths at one throttle setting.
 
-Published are the mean speeds alone. Slip, draft and their spread are one consistent set under them,
-not measured: speed and draft fix slip to about a third of itself.
+Of what was measured the paper publishes the mean speeds alone. Slip and draft, and how much both
+vary, are assumed: one set that agrees with these speeds. Speed and draft determine slip to about
++-30 % (5 to 95 %).
 """
 
 from __future__ import annotations

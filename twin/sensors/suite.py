@@ -174,9 +174,10 @@ ERRORS = ("_sd", "noise", "instability", "jitter", "latency", "vibration")
 
 
 def ideal() -> Sensors:
-    """Sensors without noise, drawn errors, latency or vibration; rates and resolutions stay.
+    """Sensors without noise, calibration errors, latency or vibration, and without a camera.
 
-    The IMU keeps its low-pass, and its samples arrive as late as that makes them.
+    Sample rates and resolutions are unchanged. The IMU keeps its low-pass filter, and its samples
+    arrive late by the delay of this filter. Wheel encoders start at a random phase.
     """
     return Sensors(
         gnss=_quiet(Gnss()),

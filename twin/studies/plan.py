@@ -13,12 +13,12 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from twin.errors import BadInput
 from twin.io.plain import Plain, to_plain
 from twin.pipeline import named as registry
 from twin.pipeline.unread import complaint
+from twin.plugins.lookup import Thing
 from twin.scenario import Scenario, fields
 
 NOT_SWEPT = {
@@ -37,7 +37,7 @@ class Case:
     """As it was asked for."""
     swept: tuple[tuple[str, Plain], ...]
     """Path and value of each swept field."""
-    run: Any
+    run: Thing
     """The scenario itself, swept fields and seed in place."""
     estimators: tuple[str, ...]
     """As they were asked for: names, or module:Name."""
@@ -81,7 +81,7 @@ def left_out(scenarios: Sequence[str], sweeps: Mapping[str, Sequence[Plain]]) ->
     return _settings(scenarios, sweeps)[1]
 
 
-Setting = tuple[str, tuple[tuple[str, Plain], ...], Any]
+Setting = tuple[str, tuple[tuple[str, Plain], ...], Thing]
 """Name of a scenario, path and value of each swept field, and the scenario with them."""
 
 
@@ -116,13 +116,13 @@ def _settings(
     return kept, said
 
 
-def _told(name: str, estimator: Any) -> Any:
+def _told(name: str, estimator: Thing) -> Plain:
     """What identifies an estimator: its name, and its settings if it is a dataclass."""
     shows = dataclasses.is_dataclass(estimator) and not isinstance(estimator, type)
     return [name, to_plain(estimator) if shows else None]
 
 
-def _digest(run: Any, told: Mapping[str, Plain]) -> str:
+def _digest(run: Thing, told: Mapping[str, Plain]) -> str:
     run = run.with_numbers() if isinstance(run, Scenario) else run  # an edited preset is another
     said = {"kind": type(run).__qualname__, "run": to_plain(run), "estimators": told}
     text = json.dumps(said, sort_keys=True, default=repr)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.errors import BadInput, UnknownName
 from twin.pipeline.tuned import FACTORS, Noises
+from twin.plugins.lookup import Thing
 from twin.scenario.fields import value
 from twin.streams import Setup, Streams
 
@@ -45,7 +45,7 @@ class Noise:
         return BOUND_SD * self.prior_sd
 
 
-def noises_of(name: str, estimator: Any, setup: Setup, streams: Streams) -> list[Noise]:
+def noises_of(name: str, estimator: Thing, setup: Setup, streams: Streams) -> list[Noise]:
     """The noises of an estimator on a log: its own fields, and those of the sensors in the log.
 
     Args:

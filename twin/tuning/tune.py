@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.errors import BadInput
 from twin.pipeline.tuned import tuned
+from twin.plugins.lookup import Thing
 from twin.streams import Streams, Table
 from twin.tuning.held_out import Gain, HeldOut, verdict
 from twin.tuning.likelihood import in_blocks, innovations
@@ -81,7 +82,7 @@ def tune(
 
 
 def tune_one(
-    name: str, estimator: Any, log: Log, reference: Table, learn_share: float = 0.5, seed: int = 0
+    name: str, estimator: Thing, log: Log, reference: Table, learn_share: float = 0.5, seed: int = 0
 ) -> Tuning:
     """What a log that is read already says of one estimator. Raises BadInput as `tune`."""
     setup, streams = log.setup, log.streams
@@ -90,7 +91,7 @@ def tune_one(
     learn_ns, rest_ns = parts(name, whole["epoch_ns"], learn_share)
     learnt = until(streams, int(learn_ns[-1]))
 
-    def of(x: Array) -> Any:
+    def of(x: Array) -> Thing:
         return tuned(name, estimator, moved(noises, x))
 
     def densities(x: Array, seen: Streams, edges_ns: NDArray[np.int64]) -> dict[str, Array]:

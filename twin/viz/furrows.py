@@ -20,7 +20,7 @@ from twin.viz.bodies import Bodies
 from twin.viz.tools import Array
 
 PLOUGHED_M = 6.0
-"""How far the land beside the last furrow was ploughed before, as drawn."""
+"""How far the land beside the first furrow was ploughed before the run, as drawn."""
 BANK_M = 0.05
 """Width over which a wall falls, as drawn."""
 CRUMBLED = 0.7
@@ -37,6 +37,8 @@ class Cut:
     wall_m: float
     low_m: float
     high_m: float
+    ploughed_m: float = PLOUGHED_M
+    """How far from the wall the land was ploughed that is drawn with it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,7 +81,7 @@ def left_by(cut: Cut, bodies: Bodies, depth_m: float, s: Array, t: Array) -> tup
         return np.zeros_like(s), np.zeros(s.shape, bool)
     along = np.clip((s - cut.low_m) / 1.5, 0.0, 1.0) * np.clip((cut.high_m - s) / 1.5, 0.0, 1.0)
     open_ = (u > 1e-6) & (u < bodies.open_m + BANK_M - 1e-6)
-    turned = (u >= bodies.open_m + BANK_M - 1e-6) & (u < PLOUGHED_M)
+    turned = (u >= bodies.open_m + BANK_M - 1e-6) & (u < cut.ploughed_m)
     height = open_ * -depth_m + turned * ridges_m(u - bodies.open_m, depth_m, bodies.width_m)
     return along * height, (along > 0.0) & (open_ | turned)
 
