@@ -20,7 +20,7 @@ Values = Mapping[str, float]
 OWN_OF_SOIL = (
     "friction", "cone_index_kpa", "draft_scale", "k_phi_kn_per_m_n2", "shear_modulus_m",
 )  # fmt: skip
-"""What of a soil is a field of it; the rest stands in its preset."""
+"""Parameters that are fields of a soil; the others are in its preset."""
 
 
 def machine_with(machine: Machine, values: Values) -> Machine:

@@ -49,13 +49,17 @@ ROLLOUT_NAMES = (
     "soil.draft_scale", "soil.mobility_resistance", "log.set_rpm", "log.reference_torque_nm",
     "log.wheel_scale",
 )  # fmt: skip
-"""What such a log may tell of."""
+"""Parameters that such a log may determine."""
 LOADS = (0.4, 0.8, 1.2, 1.6)
 """Shares of the draft that was found, at which slip is foretold over force."""
 
 
 def by_rollouts(task: Task) -> Calibration:
-    """A short log at a fast rate: the machine itself, rolled out."""
+    """A short log at a fast rate: the machine itself, rolled out.
+
+    Raises:
+        BadInput: the log cannot be fitted.
+    """
     from twin.calibration.rollouts import Condition, Drawn, Rollouts
     from twin.calibration.rollouts import Gear as Driven
 

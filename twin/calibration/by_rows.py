@@ -37,7 +37,7 @@ STEADY_NAMES = (
     "transmission.efficiency", "engine.parasitic_nm",
     "engine.fuel_l_per_kwh", "log.reference_torque_nm", "log.wheel_scale", "log.carried_kg",
 )  # fmt: skip
-"""What such a log may tell of."""
+"""Parameters that such a log may determine."""
 SCALES = (0.93, 1.07)
 """A scale of the wheels beyond these says that the map is another machine's."""
 LEAST_SCALE_SD, EMPTY_ROWS, EMPTY_MPS = 0.015, 20, 1.0
@@ -45,7 +45,11 @@ LEAST_SCALE_SD, EMPTY_ROWS, EMPTY_MPS = 0.015, 20, 1.0
 
 
 def by_rows(task: Task) -> Calibration:
-    """A long log: steady rows."""
+    """A long log: steady rows.
+
+    Raises:
+        BadInput: the log cannot be fitted.
+    """
     torque, reference_nm, spread, of_axle = torque_of(task)
     gears, _, _ = gears_of(task)
     found = steady_rows(task.log, task.rows, torque)

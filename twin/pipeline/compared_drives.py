@@ -70,7 +70,7 @@ def read(folder: Path) -> Record:
 
 
 def slips(a: Record, b: Record) -> tuple[str, str]:
-    """The first estimator that gives a slip in both; else the truth, or each one's own first."""
+    """The first estimator that gives a slip in both; else the truth, or the first of each drive."""
     own = [_giving(record) for record in (a, b)]
     common = [name for name in own[0] if name in own[1]]
     if common:
