@@ -24,6 +24,8 @@ from numba.core.dispatcher import _FunctionCompiler  # type: ignore[attr-defined
 from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
 
+from twin.compute.call_types import remembering
+
 Untyped: TypeAlias = Any
 """What is numba's own, which has no types."""
 
@@ -103,7 +105,7 @@ class _Compiler(_FunctionCompiler):  # type: ignore[misc]
         library = self.library(target.codegen(), self.py_func.__qualname__)
         library.enable_object_caching()
         result = compile_extra(
-            self.targetdescr.typing_context, target, self.py_func, args, return_type,
+            remembering(self.targetdescr.typing_context), target, self.py_func, args, return_type,
             self._customize_flags(flags), self.locals, library, _Passes,
         )  # fmt: skip
         if not flags.no_compile:  # of what is linked in, too
