@@ -27,7 +27,7 @@ from estimators.sideslip_ekf.report import TOLD
 from estimators.signals import epochs
 from estimators.slip_ekf import SLIP_EKF, SlipEkf
 from estimators.slip_ekf import State as SlipState
-from estimators.slip_ekf.held import PLOUGH, held
+from estimators.slip_ekf.held import PLOUGH
 from twin.streams import Setup, Streams, Table
 
 USED = ("gnss", "imu", "wheels", "camera")
@@ -150,8 +150,7 @@ class SideslipEkf:
         """
         used = chunk.only(USED)
         sensor, row = used.merge_order()
-        slip, table = self.slip.run(state.slip, chunk)
-        _, slower = held(state.slip.held, chunk)
+        slip, table, slower = self.slip.run_and_held(state.slip, chunk)
         epoch_ns = epochs(used, sensor, row)
         values = {s: _matrix(used, s, names) for s, names in READ.items()}
         speed = _speeds(table)

@@ -120,6 +120,13 @@ class SlipEkf:
 
         A wheel sample that is out of order, or over 5 s older than the newest sample, gives no row.
         """
+        after, table, _ = self.run_and_held(state, chunk)
+        return after, table
+
+    def run_and_held(
+        self, state: State, chunk: Streams
+    ) -> tuple[State, Table, NDArray[np.float64]]:
+        """The same, and what slower sensors had said at each sample, as `held` gives it."""
         reader, samples = signals.read(state.reader, chunk, USED)
         known, slow = held(state.held, chunk)
         memory = state.memory.copy()
@@ -131,7 +138,7 @@ class SlipEkf:
         if len(rows):
             count = loop(samples, slow, reader.nominal[0], state.tuning[0], memory[0], rows)
         table = {name: np.ascontiguousarray(rows[name][:count]) for name in ESTIMATES}
-        return State(reader, known, state.tuning, memory), table
+        return State(reader, known, state.tuning, memory), table, slow
 
     def innovations(self, setup: Setup, streams: Streams) -> Table:
         """Innovation of each measurement, refused or not, and its predicted variance."""
