@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.streams import COLUMNS, Setup
+from twin.streams import COLUMNS, Setup, WheelsSetup
 from twin.streams import WHEELS as WHEEL_NAMES
 
 GNSS, IMU, WHEELS, CAMERA = (tuple(COLUMNS).index(s) for s in ("gnss", "imu", "wheels", "camera"))
@@ -59,6 +59,7 @@ NOMINAL = np.dtype(
         ("track_front_m", "f8"),
         ("track_rear_m", "f8"),
         ("cg_x_m", "f8"),
+        ("radius_sd", "f8"),
         ("antenna_m", "f8", 3),
         ("velocity_sd_mps", "f8"),
         ("heading_sd_rad", "f8"),
@@ -179,6 +180,7 @@ def nominal(setup: Setup) -> tuple[Any, ...]:
         setup.track_front_m,
         setup.track_rear_m,
         setup.cg_x_m,
+        wheels.radius_sd if wheels else WheelsSetup.radius_sd,
         gnss.lever_arm_m if gnss else (0.0, 0.0, 0.0),
         gnss.velocity_sd_mps if gnss else 0.05,
         gnss.heading_sd_rad if gnss else 0.0,

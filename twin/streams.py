@@ -147,6 +147,8 @@ class WheelsSetup:
     """None for a source that gives speeds."""
     zero_slip: str = "unknown"
     """Where slip by these radii is zero, one of ZERO_SLIPS."""
+    radius_sd: float = 0.01
+    """sd of an axle's true radius about the nominal, over it: wear and pressure of the tyres."""
 
 
 @dataclass(frozen=True, kw_only=True)
