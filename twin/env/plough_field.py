@@ -91,13 +91,13 @@ class PloughFieldEnv(SingleEnv):
     |---|---|
     | work | v min(1, depth / target) / (7 km/h), v counted up to 10 km/h: the area rate over what 7 km/h make |
     | fuel | -(0.02 ha/L) fuel rate / (area rate at 7 km/h): 1.3 EUR/L over 65 EUR/h of machine and driver in about a hectare (assumed) |
-    | depth, slip, lugging | -0.5 of each cost |
+    | depth, slip, lugging | 0.5 (1 - cost) of each |
 
     7 and 10 km/h are the typical speed and the end of the range of ASABE D497 for mould-board
     ploughs. Each term is in `info` as `reward_<term>`, beside the costs, `slip`, `depth_m`,
     `speed_mps`, `draft_n`, `engine_radps`, `work_rate_haph`, `fuel_lph`, and after a reset the ground
-    by the names of the options below. A reward may be negative; a stall ends the episode, and with
-    it all that would still have been earned.
+    by the names of the options below. A stall ends the episode, and with it all that would still
+    have been earned: 1.5 within the limits, beside the work, and about 0 with spinning wheels.
 
     ## Start
 
