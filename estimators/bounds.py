@@ -8,6 +8,9 @@ a better autoregressive model of the motion.
 All streams of the estimators count: GNSS, accelerometer, gyro, counters, a camera's speeds, and
 the loads of the machine's bus as far as slip depends on them.
 
+Only the time in which the tractor drives counts, as in the scores: at a stand slip and angle are
+ratios of two noises.
+
 Errors that are constant over a run (radius, mounting angle, a camera's height, bias) are left out:
 score the bias apart.
 
@@ -21,6 +24,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from estimators import riccati
@@ -41,6 +45,8 @@ EXACT = 1e-10
 """Variance of a row whose noise is a state."""
 HIDDEN_PERIODS = 3.0
 """GNSS counts as hidden without a speed for this many of its periods."""
+DRIVING_MPS = 0.3
+"""The tractor drives where ground or driven wheels are at least so fast [m/s], as in the scores."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,26 +91,27 @@ def bound(
         within_s: first and last second of the bound; those of `window_s` if None.
 
     Raises:
-        ValueError: fewer than 200 samples in the window.
+        ValueError: fewer than 200 samples of driving in the window.
     """
     time = truth["epoch_ns"] * 1e-9
     inside = (time >= window_s[0]) & (time <= window_s[1])
-    if inside.sum() < 20 * ORDER:
-        raise ValueError(f"{inside.sum()} samples are too few for a bound; {20 * ORDER} would do")
-    step_s = float(np.median(np.diff(time)))
     part = {name: column[inside] for name, column in truth.items()}
-    motion = _motion(part, setup, step_s)
+    drives = _drives(part)
+    if drives.sum() < 20 * ORDER:
+        raise ValueError(f"{drives.sum()} samples are too few for a bound; {20 * ORDER} would do")
+    step_s = float(np.median(np.diff(time)))
+    motion = _motion(part, setup, step_s, drives)
     along = _along(setup, streams, part, motion, step_s, truth)
     hidden = _hidden(streams, part["epoch_ns"])
     first, last = within_s or window_s
-    wanted = (time[inside] >= first) & (time[inside] <= last)
+    wanted = (time[inside] >= first) & (time[inside] <= last) & drives
     slip, speed = (_variances(along, hidden, wanted, along.at[name]) for name in ("slip", "speed"))
-    mean_speed = max(float(np.mean(np.abs(part["speed_mps"]))), 0.05)
-    across = _across(setup, streams, part, step_s)
+    mean_speed = max(float(np.mean(np.abs(part["speed_mps"][drives]))), 0.05)
+    across = _across(setup, streams, part, step_s, drives)
     side = (np.nan, np.nan)
     if across is not None:
         side = _variances(across, hidden, wanted, across.at["v_y"])
-    unseen, usual = float(np.var(motion.unseen)), float(np.var(motion.slip))
+    unseen, usual = float(np.var(motion.unseen)), float(np.var(motion.slip[drives]))
     known = [1.0 / (1.0 / each + 1.0 / usual) if hidden.any() else each for each in slip]
     return Bound(
         slip_causal=float(np.sqrt(known[0] + unseen)),
@@ -156,28 +163,50 @@ class _Motion:
     """What the load does to the driven radius, in slip; no sensor shows it."""
     skid: Array
     """Relative error of the towed wheels' travel, its mean taken out."""
+    drives: NDArray[np.bool_]
+    """Where the tractor drives; elsewhere the slip is the last one of driving."""
 
 
-def _motion(part: Table, setup: Setup, step_s: float) -> _Motion:
+def _drives(part: Table) -> NDArray[np.bool_]:
+    """Where ground or driven wheels are at least DRIVING_MPS fast; everywhere if nowhere slow."""
+    speeds = [np.abs(part[n]) for n in ("speed_mps", "wheel_speed_mps") if n in part]
+    return np.asarray(np.max(speeds, axis=0) >= DRIVING_MPS)
+
+
+def _held(values: Array, drives: NDArray[np.bool_]) -> Array:
+    """Values of driving, the last of them held through what lies between; the first before them."""
+    last = np.maximum.accumulate(np.where(drives, np.arange(len(values)), -1))
+    return np.asarray(values[np.where(last < 0, np.argmax(drives), last)])
+
+
+def _motion(part: Table, setup: Setup, step_s: float, drives: NDArray[np.bool_]) -> _Motion:
     slip = np.asarray(part["slip"], np.float64)
     none = np.zeros_like(slip)
     angles = [f"joint_{w}_spin_rad" for w in ("fl", "fr", "rl", "rr")]
     if setup.wheels is None or any(a not in part for a in angles) or setup.driven != ("rl", "rr"):
-        return _Motion(slip=slip, unseen=none, skid=none)
+        return _Motion(slip=_held(slip, drives), unseen=none, skid=none, drives=drives)
     rims = [
         setup.wheels.radius_m[a[6:8]] * np.gradient(np.asarray(part[a], np.float64), step_s)
         for a in angles
     ]
     front, rear = 0.5 * (rims[0] + rims[1]), 0.5 * (rims[2] + rims[3])
     speed, wheel = part["speed_mps"], part["wheel_speed_mps"]
-    against_body = 1.0 - speed / np.maximum(rear, 0.05)
+    against_body = 1.0 - speed / _off_zero(rear)
     turned = setup.wheels.radius_m["rl"] * _pitch_rate(part, step_s)
-    unseen = slip - (1.0 - speed / np.maximum(rear + turned, 0.05))
-    skid = (front + turned) / np.maximum(speed, 0.05) - 1.0
-    kept = np.abs(wheel) > 0.3
+    unseen = slip - (1.0 - speed / _off_zero(rear + turned))
+    skid = (front + turned) / _off_zero(speed) - 1.0
+    kept = (np.abs(wheel) > DRIVING_MPS) & (np.abs(speed) > DRIVING_MPS)
     return _Motion(
-        slip=against_body, unseen=_centred(unseen[kept]), skid=np.where(kept, _centred(skid), 0.0)
+        slip=_held(against_body, drives),
+        unseen=_centred(unseen[kept]),
+        skid=np.where(kept, skid - np.mean(skid[kept]), 0.0),
+        drives=drives,
     )
+
+
+def _off_zero(speed: Array) -> Array:
+    """A speed that may divide: at least 0.05 m/s either way."""
+    return np.copysign(np.maximum(np.abs(speed), 0.05), speed)
 
 
 def _pitch_rate(part: Table, step_s: float) -> Array:
@@ -198,14 +227,14 @@ def _along(
     States: ORDER past increments of (v, s), v, s, past v, travels, accelerometer bias, skid, and
     the error of the slip that is estimated from the loads.
     """
-    speed = np.asarray(part["speed_mps"], np.float64)
+    speed, drives = np.asarray(part["speed_mps"], np.float64), motion.drives
     late = {s: _late_steps(streams, s, step_s) for s in ("gnss", "imu", "camera")}
     past = max(late["gnss"], late["camera"], 1)
     v, s = 2 * ORDER, 2 * ORDER + 1
     rear, front, bias, skid, load = (2 * ORDER + 2 + past + i for i in range(5))
     size = load + 1
     f, q = np.zeros((size, size)), np.zeros((size, size))
-    weights, noise = _autoregression(np.diff(np.stack([speed, motion.slip], 1), axis=0))
+    weights, noise = _autoregression(np.diff(np.stack([speed, motion.slip], 1), axis=0), drives)
     f[:2, : 2 * ORDER], q[:2, :2] = weights, noise
     f[2 : 2 * ORDER, : 2 * ORDER - 2] = np.eye(2 * ORDER - 2)
     for state, increment in ((v, 0), (s, 1)):
@@ -216,13 +245,13 @@ def _along(
         q[state, :2] = q[:2, state] = noise[increment]
     f[s + 1, v] = 1.0
     f[s + 2 : s + 1 + past, s + 1 : s + past] = np.eye(past - 1)
-    mean_v, mean_s = float(np.mean(speed)), float(np.mean(motion.slip))
+    mean_v, mean_s = float(np.mean(np.abs(speed[drives]))), float(np.mean(motion.slip[drives]))
     ratio = 1.0 / max(1.0 - mean_s, 0.05)
     f[rear, [rear, v, s]] = 1.0, step_s * ratio, step_s * mean_v * ratio**2
     f[front, [front, v, skid]] = 1.0, step_s, step_s * mean_v
     f[bias, bias], q[bias, bias] = 1.0, ACCEL_BIAS_PSD * step_s
     f[skid, skid], q[skid, skid] = _gauss_markov(motion.skid)
-    off = _off_by_load(streams, part, motion.slip)
+    off = _off_by_load(streams, part["epoch_ns"][drives], motion.slip[drives])
     f[load, load], q[load, load] = _gauss_markov(off)
     q += np.eye(size) * 1e-14
     rows, variances, of = [], [], []
@@ -266,7 +295,9 @@ def _ago(now: int, before: int, steps: int) -> int:
     return before + steps if steps else now
 
 
-def _across(setup: Setup, streams: Streams, part: Table, step_s: float) -> _Model | None:
+def _across(
+    setup: Setup, streams: Streams, part: Table, step_s: float, drives: NDArray[np.bool_]
+) -> _Model | None:
     """The motion across the body, by GNSS, gyro and camera; None where none of them measures it.
 
     States: past increments of v_y, how far the heading is off the gyro's integral, and the gyro's
@@ -275,14 +306,15 @@ def _across(setup: Setup, streams: Streams, part: Table, step_s: float) -> _Mode
     """
     if "v_y_rear_mps" not in part:
         return None
-    v_y, speed = np.asarray(part["v_y_rear_mps"], np.float64), float(np.mean(part["speed_mps"]))
+    v_y = np.asarray(part["v_y_rear_mps"], np.float64)
+    speed = float(np.mean(np.abs(part["speed_mps"][drives])))
     gnss = setup.gnss is not None and "heading_rad" in streams.tables.get("gnss", {})
     camera = _seen(streams, "v_y_mps") > 1
     if not gnss and not camera:
         return None
     late = {s: _late_steps(streams, s, step_s) for s in ("gnss", "camera")}
     past = max(*late.values(), 1)
-    weights, noise = _autoregression(np.diff(v_y)[:, None])
+    weights, noise = _autoregression(np.diff(v_y)[:, None], drives)
     bias, off, now = ORDER, ORDER + 1, ORDER + 2 + past  # off and its past, then v_y and its past
     size = now + past + 1
     f, q = np.zeros((size, size)), np.zeros((size, size))
@@ -335,7 +367,7 @@ def _camera_var(streams: Streams, column: str, step_s: float) -> float:
     return max(float(np.nanmedian(variance)) / per_step, EXACT)
 
 
-def _off_by_load(streams: Streams, part: Table, slip: Array) -> Array:
+def _off_by_load(streams: Streams, epoch_ns: NDArray[np.int64], slip: Array) -> Array:
     """Error of the least-squares estimate of slip from the loads; zeros without loads.
 
     u = c . (1, loads) fitted to the slip explains a share r2 of its variance. Then u / r2 is the
@@ -349,7 +381,7 @@ def _off_by_load(streams: Streams, part: Table, slip: Array) -> Array:
     known = []
     for each in loads:  # held from its arrival on
         there = np.isfinite(each)
-        newest = np.searchsorted(table["arrival_ns"][there], part["epoch_ns"], side="right") - 1
+        newest = np.searchsorted(table["arrival_ns"][there], epoch_ns, side="right") - 1
         known.append(each[there][np.maximum(newest, 0)])
     centred = np.stack([_centred(x) / max(float(np.std(x)), 1e-12) for x in known], 1)
     wanted = _centred(slip)
@@ -358,15 +390,18 @@ def _off_by_load(streams: Streams, part: Table, slip: Array) -> Array:
     return np.zeros_like(slip) if explained < 0.01 else np.asarray(fitted / explained - wanted)
 
 
-def _autoregression(steps: Array) -> tuple[Array, Array]:
+def _autoregression(steps: Array, drives: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Least-squares weights of the last ORDER steps, and covariance of what they leave.
+
+    Only steps count that begin and end driving, and whose last ORDER did, too.
 
     Returns:
         weights: (m, ORDER m), newest first. residual: (m, m).
     """
     m = steps.shape[1]
     past = np.concatenate([steps[ORDER - 1 - i : len(steps) - 1 - i] for i in range(ORDER)], axis=1)
-    now = steps[ORDER:]
+    counts = sliding_window_view(drives, ORDER + 2).all(axis=1)
+    past, now = past[counts], steps[ORDER:][counts]
     ridge = 1e-9 * np.eye(past.shape[1]) * max(float(np.mean(past**2)), 1e-18)
     weights = np.linalg.solve(past.T @ past + ridge * len(past), past.T @ now).T
     left = now - past @ weights.T

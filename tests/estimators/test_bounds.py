@@ -140,6 +140,24 @@ def moving():
     return setup, Streams({**made.tables, "camera": camera, "machine": machine}), truth
 
 
+def test_standing_and_backing_up_change_no_bound():
+    """11 s at a stand without GNSS, and 5 s backwards, among 60 s of driving."""
+    setup, streams, truth = moving()
+    streams = without(streams, "imu")  # it goes on driving
+    plain = bound(setup, streams, truth, (1.0, 61.0))
+    at = synthetic.seconds(truth["epoch_ns"])
+    back = (at > 40.0) & (at < 45.0)
+    stands = (at > 30.0) & (at < 46.0) & ~back
+    way = np.where(stands, 0.0, np.where(back, -1.0, 1.0))
+    noise = 1e-4 * np.random.default_rng(1).standard_normal(len(at))
+    day = truth | {n: way * truth[n] + noise * stands for n in ("speed_mps", "wheel_speed_mps")}
+    day["slip"] = np.where(stands, 1.0 - noise / 1e-4, truth["slip"])
+    seen = seen_until(streams, 30.0, 40.0)
+    found = bound(setup, seen, day, (1.0, 61.0))
+    for name, value in dataclasses.asdict(plain).items():
+        assert dataclasses.asdict(found)[name] == pytest.approx(value, rel=0.15), name
+
+
 def without(streams, *names):
     return Streams({name: table for name, table in streams.tables.items() if name not in names})
 
@@ -148,10 +166,11 @@ def without(streams, *names):
 @pytest.mark.parametrize("gap", [True, False])
 def test_every_stream_counts_as_in_a_posterior_by_brute_force(across, gap):
     setup, streams, truth = moving()
+    drives = bounds._drives(truth)
     if across:
-        model, name = bounds._across(setup, streams, truth, 0.02), "v_y"
+        model, name = bounds._across(setup, streams, truth, 0.02, drives), "v_y"
     else:
-        motion = bounds._motion(truth, setup, 0.02)
+        motion = bounds._motion(truth, setup, 0.02, drives)
         model, name = bounds._along(setup, streams, truth, motion, 0.02, truth), "slip"
     assert {"gnss", "camera"} <= set(model.of)
     assert across or {"wheels", "imu", "machine"} <= set(model.of)

@@ -11,7 +11,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from twin.io.plain import Plain
 from twin.report.draw import Array, Drawing, Estimates, finite
 from twin.report.palette import TRUTH_COLOUR, looks
-from twin.scores.scores import at, seconds
+from twin.scores.scores import errors, is_slow, seconds
 from twin.streams import Table
 
 Window = tuple[float, float]
@@ -29,12 +29,12 @@ def histogram(
     truth: Table, estimates: Estimates, window: Window, bound: Mapping[str, float]
 ) -> Drawing | None:
     """Distribution of the slip error inside the window, and that of the causal bound."""
-    errors = {
+    found = {
         name: finite(error[inside(table, window)])
         for name, table in estimates.items()
         if (error := error_of(truth, table, "slip")) is not None
     }
-    values = [e for e in errors.values() if len(e)]
+    values = [e for e in found.values() if len(e)]
     if not values:
         return None
     reach = float(np.quantile(np.abs(np.concatenate(values)), 0.995)) * 100.0
@@ -42,9 +42,9 @@ def histogram(
 
     def draw(axes: Axes) -> None:
         for name, (colour, _, style) in looks(estimates).items():
-            if len(errors.get(name, [])):
-                counts, _ = np.histogram(100.0 * errors[name], edges)
-                density = counts / (len(errors[name]) * (edges[1] - edges[0]))
+            if len(found.get(name, [])):
+                counts, _ = np.histogram(100.0 * found[name], edges)
+                density = counts / (len(found[name]) * (edges[1] - edges[0]))
                 axes.stairs(density, edges, color=colour, ls=style, label=name, lw=1.3)
         if (sd := 100.0 * bound.get("slip_causal", 0.0)) > 0.0:
             at_ = np.linspace(-min(4.0 * sd, reach), min(4.0 * sd, reach), 121)
@@ -99,10 +99,14 @@ def nees(truth: Table, estimates: Estimates, window: Window) -> Drawing | None:
 
 
 def error_of(truth: Table, table: Table, column: str) -> Array | None:
-    """Estimate less truth at the estimate's epochs; None where either has no such column."""
+    """Estimate less truth at the estimate's epochs; None where either has no such column.
+
+    NaN where ground and wheels are slower than 0.3 m/s, as the scores leave these samples out.
+    """
     if column not in table or column not in truth:
         return None
-    return np.asarray(table[column] - at(truth, column, table["epoch_ns"]))
+    slow = is_slow(truth, table["epoch_ns"])
+    return np.where(slow, np.nan, errors(truth, table, column))
 
 
 def inside(table: Table, window: Window) -> Array:

@@ -186,7 +186,7 @@ def estimator_scores(
     """
     part = _cut(estimates, window)
     epoch_ns = part["epoch_ns"]
-    slow = at({**truth, "fastest": speed_mps(truth)}, "fastest", epoch_ns) < DRIVING_MPS
+    slow = is_slow(truth, epoch_ns)
     code = None if driven is None else driven.at(epoch_ns)
     found: dict[str, Scores] = {}
     by_phase: dict[str, Scores] = {}
@@ -203,6 +203,11 @@ def estimator_scores(
         if column in part and column in truth:
             found[column] = total_scores(truth, part, column)
     return found | ({"phases": by_phase} if by_phase else {})
+
+
+def is_slow(truth: Table, epoch_ns: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Where ground and driven wheels are slower than 0.3 m/s. Shape (n,)."""
+    return at({**truth, "fastest": speed_mps(truth)}, "fastest", epoch_ns) < DRIVING_MPS
 
 
 def _of(chosen: NDArray[np.bool_], error: Array, sd: Array | None) -> Scores:
