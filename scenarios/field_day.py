@@ -24,7 +24,7 @@ def _road(length_m: float, soil: float) -> Patch:
 
 PLOUGHING = Scenario(
     name="field-day-ploughing",
-    about="4.4 h of ploughing: 1.5 km of road, 60 passes of 200 m, stops, fuel, and the road back",
+    about="3.4 h of ploughing: 1.5 km of road, 60 passes of 200 m, stops, fuel, and the road back",
     field=Field(roughness_class="C", patches=(_road(ROAD_M, 2.5),)),
     plough=Plough(depth_m=0.22),
     course=Course(length_m=200.0, passes=60, road_m=ROAD_M),

@@ -38,12 +38,13 @@ def drawn(seed):
             reaction_s=float(rng.uniform(0.1, 1.0)),
             headland_kmh=float(rng.uniform(2.0, 6.0)) if rng.random() < 0.4 else None,
         ),
-        events=tuple(event(rng, float(t)) for t in times),
+        events=tuple(event(rng, float(t), machine) for t in times),
     )  # fmt: skip
 
 
-def event(rng, at_s):
+def event(rng, at_s, machine):
     """One event, most by time, some on a condition."""
+    most_kg = 40.0 if machine == "electric_tractor" else 400.0
     kinds = {
         "throttle": {"engine_rpm": float(rng.uniform(950.0, 2200.0))},
         "shift": {"by": int(rng.integers(-4, 5))}
@@ -58,7 +59,7 @@ def event(rng, at_s):
         "depth": {"depth_m": float(rng.uniform(0.1, 0.28))},
         "front_drive": {"engaged": bool(rng.random() < 0.6)},
         "lock": {"engaged": bool(rng.random() < 0.5)},
-        "mass": {"mass_kg": float(rng.uniform(50.0, 400.0)), "rate_kgps": 50.0},
+        "mass": {"mass_kg": float(most_kg * rng.uniform(0.125, 1.0)), "rate_kgps": 50.0},
     }
     do = list(kinds)[rng.integers(len(kinds))]
     when = {"at_s": at_s}
@@ -83,10 +84,11 @@ def drive(seed):
     """Drive a seed's scenario; None where it is refused."""
     try:
         scenario = drawn(seed)
+        machine = build(scenario)
     except TwinError:
         return None
     chunks = []
-    for chunk in simulate(build(scenario)):
+    for chunk in simulate(machine):
         chunks.append(chunk)
         if chunk.epoch_ns[-1] > DRIVEN_S * 1e9:
             break

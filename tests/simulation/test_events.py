@@ -1,5 +1,6 @@
 """Drives in which things happen: the power balance closes, and they happen."""
 
+import itertools
 from dataclasses import replace
 from functools import cache
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.simulation.closure import balance
+from twin.errors import BadInput
 from twin.scenario import Course, Driver, Event, Field, Plough, Scenario
 from twin.simulation.build import build
 from twin.simulation.simulate import simulate
@@ -177,6 +179,32 @@ def test_mass_is_carried_from_then_on():
     load, second = columns["load_n"].sum(axis=1), round(1.0 / 0.002)
     before, after = load[2 * second : 4 * second].mean(), load[-second:].mean()
     assert after - before == pytest.approx(300.0 * 9.81, rel=0.01)
+
+
+def test_more_than_a_machine_carries_is_refused():
+    filled = tuple(Event(do="mass", at_s=t, mass_kg=50.0) for t in (1.0, 2.0))
+    light = replace(BARE, machine="electric_tractor", plough=None, events=filled)
+    with pytest.raises(BadInput, match="fill in 100 kg, but the machine weighs 115 kg; at most 69"):
+        build(light)
+    emptied = replace(filled[1], mass_kg=-40.0)
+    build(replace(light, events=(filled[0], emptied)))
+
+
+def test_a_laden_light_machine_is_held_by_its_brake_without_chatter():
+    """On a grade, with as much as it carries: its wheels neither swing nor take energy."""
+    laden = replace(
+        BARE, machine="electric_tractor", plough=None, field=Field(grade_deg=7.0),
+        events=(
+            Event(do="mass", at_s=0.2, mass_kg=69.0, rate_kgps=100.0),
+            Event(do="stop", at_s=2.0, for_s=4.0),
+        ),
+    )  # fmt: skip
+    chunks = list(itertools.takewhile(lambda c: c.epoch_ns[-1] < 7e9, simulate(build(laden))))
+    stands = np.concatenate([c["phase"] for c in chunks]) == Phase.STOP
+    spin = np.concatenate([c["spin_radps"] for c in chunks])[stands][500:, 2:]
+    assert len(spin) > 1000
+    assert abs(spin[:, 0] - spin[:, 1]).max() < 0.02
+    assert balance(chunks).closes
 
 
 @pytest.mark.slow

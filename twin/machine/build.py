@@ -24,7 +24,7 @@ from twin.machine.plough_setting import (
     set_plough,
 )
 from twin.machine.start import standing, unloaded_speed_mps, unsettled
-from twin.machine.tanks import fit_tanks
+from twin.machine.tanks import fit_tanks, refuse_overload
 from twin.machine.turnover import turn_over
 from twin.physics import block
 from twin.physics.callback import install
@@ -113,6 +113,7 @@ def assemble(
     if dress is not None:
         dress(spec)
     model = spec.compile()
+    refuse_overload(model, scenario.events)
     fill(model, maps, wheel_radii_m(numbers))
     hitch = _hitch(spec)
     reflected = numbers["engine.inertia_kgm2"] * scenario.gear.ratio**2

@@ -19,6 +19,7 @@ from twin.physics.implement_laws import implement_law_number
 from twin.physics.laws import law_number
 from twin.scenario import Scenario
 from twin.scenario import Soil as Ground
+from twin.scenario.events import most_filled_kg
 from twin.scenario.plough import FURROW_SIDES
 from twin.scenario.soils import Deformable
 from twin.terrain.grid import GridMap
@@ -67,7 +68,7 @@ def parameter_block(
     if "heights" in maps:
         parts.append((block.FIELD, {Field.ENVELOPES: first_envelope(model)}))
     for i, name in enumerate(block.COUPLINGS):
-        part = _coupling(model, name, numbers, scenario.gear.ratio)
+        part = _coupling(model, name, numbers, scenario)
         parts.append((block.COUPLING + i * Coupling.SIZE, part))
     for i, wheel in enumerate(block.WHEELS):
         part = _wheel(model, wheel, numbers, scenario.soil.resolved.front_grip)
@@ -238,14 +239,16 @@ def _engine(scenario: Scenario, model: mujoco.MjModel, numbers: dict[str, float]
 
 
 def _coupling(
-    model: mujoco.MjModel, name: str, numbers: dict[str, float], gear_ratio: float
+    model: mujoco.MjModel, name: str, numbers: dict[str, float], scenario: Scenario
 ) -> Part:
+    gear_ratio = scenario.gear.ratio
     kind = name.removesuffix("_rl").removesuffix("_rr")
     sizes = (Coupling.CAPACITY_NM, Coupling.WINDUP_RAD, Coupling.DAMPING_S)
     own = _named(numbers, kind, sizes)
     if kind == "brake":
         clutch = _named(numbers, "clutch", sizes)
         left = STEADY - abs(gear_ratio) * _stiffness(model, clutch)
+        left -= _laden(model, numbers, most_filled_kg(scenario.events))
         own[Coupling.WINDUP_RAD] *= max(1.0, _stiffness(model, own) / max(left, LEAST_STEADY))
     if kind == "clutch":  # it sits at the engine, the wind-up is the axle's
         own[Coupling.CAPACITY_NM] *= abs(gear_ratio)
@@ -264,6 +267,22 @@ def _stiffness(model: mujoco.MjModel, element: Part) -> float:
     dt_s, inertia = float(model.opt.timestep), float(model.body("rl_wheel").inertia.max())
     held = element[Coupling.CAPACITY_NM] * (dt_s + element[Coupling.DAMPING_S]) * dt_s
     return held / (element[Coupling.WINDUP_RAD] * inertia)
+
+
+def _laden(model: mujoco.MjModel, numbers: dict[str, float], filled_kg: float) -> float:
+    """How much more a tyre changes its wheel's speed in one step under a load that is filled in.
+
+    6.6 W' r^2 (dt + tau) dt / (l I) ;  6.6 = 0.88 * 7.5, the steepest thrust over load against
+    slip (Brixius 1987), W' the nominal load times the share of the mass that is filled in, l the
+    relaxation length and tau the damping of the tread's shear.
+    """
+    tyre = {f: _number(numbers, f"tyre_rear.{f}") for f in (
+        "nominal_load_n", "nominal_rolling_radius_m", "relaxation_long_m", "shear_damping_s",
+    )}  # fmt: skip
+    dt_s, inertia = float(model.opt.timestep), float(model.body("rl_wheel").inertia.max())
+    more_n = tyre["nominal_load_n"] * filled_kg / float(model.body_mass.sum())
+    held = (dt_s + tyre["shear_damping_s"]) * dt_s / (tyre["relaxation_long_m"] * inertia)
+    return 6.6 * more_n * tyre["nominal_rolling_radius_m"] ** 2 * held
 
 
 def _plough(model: mujoco.MjModel, numbers: dict[str, float], law: str) -> Part:

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import mujoco
 
+from twin.errors import BadInput
 from twin.scenario import Event
+from twin.scenario.events import most_filled_kg
 
 LEAST_KG = 1e-3
 """Mass of an empty one: what the tractor weighs is in its file already."""
 GYRATION_M2 = (0.08, 0.02, 0.08)
 """Squared radii of gyration about the body's axes: of a tank 0.9 m wide; assumed."""
+PAYLOAD_SHARE = 0.6
+"""Most that tanks take in over what the machine weighs: permissible total masses of tractors are
+1.5 to 1.8 times the unladen mass; assumed."""
 
 
 def body_of(tank: str) -> str:
@@ -28,3 +33,13 @@ def fit_tanks(spec: mujoco.MjSpec, events: tuple[Event, ...], numbers: dict[str,
             name=name, pos=[x_m, 0.0, z_m], ipos=[0.0] * 3, mass=LEAST_KG,
             inertia=[LEAST_KG * k for k in GYRATION_M2], explicitinertial=True,
         )  # fmt: skip
+
+
+def refuse_overload(model: mujoco.MjModel, events: tuple[Event, ...]) -> None:
+    """Refuse events that fill in more than a machine carries. Raises BadInput."""
+    own_kg, filled_kg = float(model.body_mass.sum()), most_filled_kg(events)
+    if filled_kg > PAYLOAD_SHARE * own_kg:
+        raise BadInput(
+            f"events fill in {filled_kg:g} kg, but the machine weighs {own_kg:.0f} kg; at most "
+            f"{PAYLOAD_SHARE * own_kg:.0f} kg would do"
+        )

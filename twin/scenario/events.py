@@ -7,6 +7,7 @@ event before it.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -202,6 +203,12 @@ class Event:
         if self.at_m is not None:
             return f"at {self.at_m:g} m of pass {self.in_pass or 1}"
         return f"when {self.when}" if self.when is not None else "after the event before it"
+
+
+def most_filled_kg(events: tuple[Event, ...]) -> float:
+    """The most that all tanks together take in above what they hold at the start [kg]."""
+    filled_kg = itertools.accumulate(event.mass_kg or 0.0 for event in events)
+    return max(0.0, *filled_kg, 0.0)
 
 
 def check_order(events: tuple[Event, ...]) -> None:
