@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.odometry import lens as optics
-from estimators.odometry import orb, phase_ecc
+from estimators.odometry import orb, phase_ecc, symmetric
 from estimators.odometry.lens import Array, Lens, Picture, Reason
 from estimators.odometry.match import Match, Matcher
-from estimators.odometry.tilt import Tilt, seen
+from estimators.odometry.tilt import Tilt, bent, leans, seen
 
 METHODS: dict[str, Matcher] = {
     "orb-printed": orb.match_printed,
@@ -38,11 +38,11 @@ class State:
     shape: tuple[int, ...] = ()
     """Its own size."""
     turn_rad: Array | None
-    """Rotation of the body since then, as a vector in body axes; None where no gyros tell it."""
+    """Rotation of the body since then, as a vector in body axes; None without gyros."""
     moved_pxps: Array | None = None
     """Of the principal point, back from the last picture to the one before, per second."""
     tilt: Tilt = field(default_factory=Tilt)
-    """How far the camera looks aside."""
+    """Tilt of the camera's axis from the ground's normal."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,6 +61,8 @@ class Motion:
     """Turn of the picture over the interval, counter-clockwise from above; NaN if not measured."""
     scale: float = math.nan
     """Height of this frame over that of the one before."""
+    tilt_rad: tuple[float, float] = (math.nan, math.nan)
+    """How far the ground's normal leans forward and left in the camera's axes."""
     quality: float = 0.0
 
     @property
@@ -130,6 +132,7 @@ def motion(state: State, epoch_ns: int, picture: Picture, match: Match) -> Motio
     """Velocity from the map between two pictures.
 
         d = W c - c                            where the principal point was      [px]
+        d = d - bent                           what an affine map is off there
         d = d - f (R e_z)_xy / (R e_z)_z       what the body's roll and pitch did
         d = R2(-a / 2) d                       axes at the middle of the interval
         v = B d h / f / dt
@@ -149,6 +152,8 @@ def motion(state: State, epoch_ns: int, picture: Picture, match: Match) -> Motio
     camera_turn = _camera_turn(state)
     axis = optics.turn_of(camera_turn)[:, 2]
     d_px = warp @ np.append(centre, 1.0) - centre - focal * axis[:2] / axis[2]
+    if match.stretches:
+        d_px -= bent(state.tilt, warp, picture.shape, focal, symmetric.edge_px(picture.shape))
     seen = _angle(warp) if match.turns else math.nan
     angle = seen if state.turn_rad is None and match.turns else float(camera_turn[2])
     d_px = phase_ecc.turned_about(np.zeros(2), -angle / 2)[:, :2] @ d_px
@@ -165,6 +170,7 @@ def motion(state: State, epoch_ns: int, picture: Picture, match: Match) -> Motio
         covariance=covariance,
         yaw_rad=-seen,
         scale=math.sqrt(abs(float(np.linalg.det(warp[:, :2])))) if match.turns else math.nan,
+        tilt_rad=leans(state.tilt) if match.stretches else (math.nan, math.nan),
         quality=match.quality,
     )
 
@@ -174,7 +180,7 @@ def _focal(state: State, picture: Picture) -> float:
 
 
 def _camera_turn(state: State) -> Array:
-    """Rotation of the camera since the last frame, camera axes; zero where nothing tells it.
+    """Rotation of the camera since the last frame, camera axes; zero where it is not known.
 
     The body turns about the ground's normal, which is not the optical axis of a tilted camera.
     """

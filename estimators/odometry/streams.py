@@ -47,7 +47,7 @@ class State:
     epoch_ns: int | None = None
     """The last frame; None before the first."""
     angle_rad: tuple[float, float, float] | None = None
-    """The integral at it; None where no gyros told it yet."""
+    """The integral of the gyros at that frame; None before their first sample."""
 
 
 def init(setup: Setup, method: str = "phase-ecc") -> State:
@@ -153,8 +153,9 @@ def angle_at(gyros: Gyros, epoch_ns: int) -> Array | None:
 def table(motions: list[Motion]) -> Table:
     """The motions as columns.
 
-    epoch_ns interval_s v_x_mps v_y_mps var_x_m2ps2 var_y_m2ps2 cov_xy_m2ps2 yaw_rad scale quality
-    used reason: as in `Motion`; the velocity is of the optical centre, `reason` is a `Reason`.
+    epoch_ns interval_s v_x_mps v_y_mps var_x_m2ps2 var_y_m2ps2 cov_xy_m2ps2 yaw_rad scale
+    tilt_ahead_rad tilt_left_rad quality used reason: as in `Motion`; the velocity is of the optical
+    centre, `reason` is a `Reason`.
     """
     velocity = np.array([m.velocity_mps for m in motions]).reshape(-1, 2)
     covariance = np.array([m.covariance for m in motions]).reshape(-1, 2, 2)
@@ -168,6 +169,8 @@ def table(motions: list[Motion]) -> Table:
         "cov_xy_m2ps2": covariance[:, 0, 1],
         "yaw_rad": np.array([m.yaw_rad for m in motions], float),
         "scale": np.array([m.scale for m in motions], float),
+        "tilt_ahead_rad": np.array([m.tilt_rad[0] for m in motions], float),
+        "tilt_left_rad": np.array([m.tilt_rad[1] for m in motions], float),
         "quality": np.array([m.quality for m in motions], float),
         "used": np.array([m.used for m in motions], bool),
         "reason": np.array([int(m.reason) for m in motions], np.int8),

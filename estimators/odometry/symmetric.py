@@ -28,9 +28,9 @@ SMOOTHED_PX = 2.0
 EDGE_PX = 16
 """Pixels along the edges that are left out: their brightness is evened by what lies on one side."""
 EVERY_PX = 2
-"""Of smoothed pixels, one in so many along each axis tells the rest."""
+"""Step between the smoothed pixels that are used, along each axis [px]."""
 COARSE_PX, NEAR_PX = 4, 0.1
-"""One in so many until a step is shorter than that."""
+"""Coarser step [px] that is used until an iteration moves by less than the second number [px]."""
 STEPS, CONVERGED_PX = 10, 0.02
 """A step leaves less than a hundredth of what it was."""
 UNKNOWNS = 8
@@ -72,7 +72,7 @@ def find(previous: Picture, current: Picture, start: Array) -> Found | None:
     height, width = current.shape
     unknown = np.zeros(UNKNOWNS)
     unknown[:6] = halves(start, current.shape)
-    edge = min(EDGE_PX, min(height, width) // 8)
+    edge = edge_px(current.shape)
     every = COARSE_PX
     for _ in range(STEPS):
         sums = _sums(previous, current, unknown[:6].astype(np.float32), edge, every)
@@ -98,6 +98,11 @@ def find(previous: Picture, current: Picture, start: Array) -> Found | None:
         correlation=float((both - left) / max(both + left, 1e-12)),
         variance_px2=left * 0.5 * float(inverse[0, 0] + inverse[1, 1]),
     )
+
+
+def edge_px(shape: tuple[int, ...]) -> int:
+    """Along each edge of a picture of this shape, what no point is taken of."""
+    return min(EDGE_PX, min(shape) // 8)
 
 
 def halves(warp: Array, shape: tuple[int, ...]) -> Array:

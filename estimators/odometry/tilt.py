@@ -2,7 +2,7 @@
 
 Where it drives straight on, what is nearer seems faster. That tilt puts the point it looks at ahead
 of or beside the point under it, 2.6 mm for 0.3 degree at 0.5 m; a vehicle that turns by 8 degrees
-moves the one by 0.4 mm against the other.
+moves the one by 0.4 mm against the other. A body that leans in a furrow tilts it by 9 degrees.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from estimators.odometry.lens import Array, centre_px
 
-MEMORY_S = 2.0
+MEMORY_S = 0.5
 """A chassis may roll on its tyres, slowly."""
 
 
@@ -55,3 +55,34 @@ def seen(
     m += (x * stretch + y * shear - (x * x + y * y) * m) / weight
     n += (x * shear - y * stretch - (x * x + y * y) * n) / weight
     return Tilt((float(m), float(n)), float(weight))
+
+
+def leans(tilt: Tilt) -> tuple[float, float]:
+    """How far the ground's normal leans forward and left; the picture's axes are right and down."""
+    right, down = tilt.normal
+    return math.atan(down), math.atan(right)
+
+
+def bent(tilt: Tilt, warp: Array, shape: tuple[int, ...], focal_px: float, edge_px: float) -> Array:
+    """What an affine map is off at the principal point, where a tilted plane is neared [px].
+
+    Over a plane of normal (m, n, 1) a displacement (x, y, z) in heights moves the point at (a, b),
+    in focal lengths, by
+
+        (x - z a, y - z b) (1 + m a + n b)
+
+    whose squares a least-squares affine map takes for a displacement of -z (m <a^2>, n <b^2>). z is
+    what the picture grows by. A body that leans by 9 degrees in a furrow, its nose up by 0.7, would
+    seem to slide by 0.4 mm/s.
+
+    Args:
+        tilt, warp, shape, focal_px: as in `seen`.
+        edge_px: along the edges, that no point was taken of.
+    """
+    centre = centre_px(shape)
+    moved = warp @ np.append(centre, 1.0) - centre
+    normal = np.array(tilt.normal)
+    z = 0.5 * (moved @ normal / focal_px - (warp[0, 0] + warp[1, 1] - 2.0))
+    half = np.maximum(centre - edge_px - 0.5 * np.abs(moved), 0.0) / focal_px
+    off: Array = -focal_px * z * normal * half**2 / 3.0
+    return off

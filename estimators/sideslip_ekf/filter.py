@@ -14,9 +14,13 @@ from estimators.sideslip_ekf.gnss import take_gnss
 from estimators.sideslip_ekf.law import take_speed
 from estimators.sideslip_ekf.layout import (
     ASIDE,
+    BIAS_X,
+    BIAS_Y,
     CAMERA,
+    CAMERA_PITCH,
     CAMERA_PULL,
     CAMERA_SCALE,
+    CAMERA_YAW,
     COMPLIANCE,
     EAST,
     ENTRIES,
@@ -57,6 +61,8 @@ ACCEL_PSD, SETTLE, MOST_SQUARE = 5e-5, 100.0, 9.0
 square counts at most over the mean."""
 HELD_NS = 100_000_000
 """Without an IMU for so long, the samples of the wheels carry the state on."""
+STEEPEST = 0.5
+"""Sine of the steepest lean that a first sample tells."""
 GATE = 4.0
 """An error beyond so many sd moves nothing further."""
 
@@ -129,7 +135,7 @@ def _take_first(
     if kind == IMU:
         learn_noise(values, (epoch - memory.imu_ns) * 1e-9, nominal, memory)
         memory.imu_ns = epoch
-        _hear(values, tuning, memory)
+        _hear(values, nominal, tuning, memory)
     elif kind == WHEELS:
         memory.speed_ns = epoch
         for i in range(4):
@@ -155,7 +161,7 @@ def _carry(
     """Carry the mean to an epoch; after a gap start again, with the biases that are known."""
     dt = (epoch_ns - memory.epoch_ns) * 1e-9
     if memory.epoch_ns < 0 or dt > STALE_S:
-        forget(nominal, tuning, memory)
+        forget(now, nominal, tuning, memory)
     elif dt <= 0.0:
         return
     else:
@@ -191,11 +197,11 @@ def _settle(
 
 
 @array_law
-def _hear(values: Array, tuning: Record, memory: Record) -> None:
+def _hear(values: Array, nominal: Record, tuning: Record, memory: Record) -> None:
     """What the IMU has values of; with the first force across, the body's lean is told."""
     if math.isfinite(values[F_Y]) and not memory.heard[F_Y]:
-        for state, sd in ((ROLL, tuning.lean_sd), (PITCH, tuning.lean_sd), (PUSH, 0.0)):
-            restart(memory.x, memory.p, state, 0.0, sd**2)
+        _lean(values, nominal, tuning, memory.x, memory.p)
+        restart(memory.x, memory.p, PUSH, 0.0, 0.0)
     for i in range(5):
         if math.isfinite(values[i]):
             memory.heard[i] = 1
@@ -238,8 +244,10 @@ def over_step(now: Array, dt: float, mean: Array, nominal: Record, memory: Recor
 
 
 @array_law
-def forget(nominal: Record, tuning: Record, memory: Record) -> None:
+def forget(felt: Array, nominal: Record, tuning: Record, memory: Record) -> None:
     """Speeds, heading, attitude and place become unknown, as after a gap; the biases stay.
+
+    The body leans as the first sample of the IMU feels it.
 
     What slid in a gap nobody knows: the slides' sd counts from here on.
     """
@@ -248,22 +256,34 @@ def forget(nominal: Record, tuning: Record, memory: Record) -> None:
         _begin(nominal, tuning, x, p)
     memory.known, memory.placed, memory.fixed, memory.frame_ns = 0, 0, 0, -1
     memory.law_ns = memory.speed_ns = -1
-    memory.lapse_s = 0.0
+    memory.lapse_s, memory.tilted = 0.0, 0
     memory.change[:] = 0.0
     lasting = (tuning.lasting_share * nominal.position_sd_m) ** 2
     for state, var in (
-        (V_X, FREE_MPS**2), (V_Y, 1.0), (HEADING, FREE_RAD2), (ROLL, tuning.lean_sd**2),
-        (PITCH, tuning.lean_sd**2), (EAST, FREE_M**2), (NORTH, FREE_M**2), (RECEIVER_E, lasting),
-        (RECEIVER_N, lasting), (CAMERA_PULL, tuning.camera_pull_sd_mps**2), (ASIDE, 0.0),
-        (PUSH, 0.0),
+        (V_X, FREE_MPS**2), (V_Y, 1.0), (HEADING, FREE_RAD2), (EAST, FREE_M**2),
+        (NORTH, FREE_M**2), (RECEIVER_E, lasting), (RECEIVER_N, lasting),
+        (CAMERA_PULL, tuning.camera_pull_sd_mps**2), (ASIDE, 0.0), (PUSH, 0.0),
     ):  # fmt: skip
         restart(x, p, state, 0.0, var)
+    _lean(felt, nominal, tuning, x, p)
     for state in (SLIDE, SLIDE_REAR):
         restart(x, p, state, x[state], 0.0)
     memory.pulls = 0
     memory.faster_mps = 0.0
     memory.lateral_psd, memory.unrest = tuning.frame_psd, 1.0
     ground.forget(memory)
+
+
+@array_law
+def _lean(felt: Array, nominal: Record, tuning: Record, x: Array, p: Array) -> None:
+    """How a body leans that stands or drives steadily: f_y = g sin(roll), f_x = -g sin(pitch)."""
+    g = max(nominal.gravity_mps2, 1.0)
+    for state, sign, force, bias in ((ROLL, 1.0, F_Y, BIAS_Y), (PITCH, -1.0, F_X, BIAS_X)):
+        share = (felt[force] - x[bias]) / g if nominal.gravity_mps2 > 0.0 else 0.0
+        mean = (
+            sign * math.asin(min(max(share, -STEEPEST), STEEPEST)) if math.isfinite(share) else 0.0
+        )
+        restart(x, p, state, mean, tuning.lean_sd**2)
 
 
 @array_law
@@ -274,7 +294,8 @@ def _begin(nominal: Record, tuning: Record, x: Array, p: Array) -> None:
         (9, 0.0, nominal.gyro_bias_sd_radps), (10, 0.0, tuning.gyro_scale_sd),
         (11, 0.0, nominal.accel_bias_sd_mps2), (12, 0.0, nominal.accel_bias_sd_mps2),
         (13, 0.0, tuning.misaligned_sd), (COMPLIANCE, tuning.compliance, tuning.compliance_sd),
-        (18, 0.0, tuning.camera_yaw_sd), (CAMERA_SCALE, 0.0, tuning.camera_scale_sd),
+        (CAMERA_YAW, 0.0, tuning.camera_yaw_sd), (CAMERA_PITCH, 0.0, tuning.camera_pitch_sd),
+        (CAMERA_SCALE, 0.0, tuning.camera_scale_sd),
     ):  # fmt: skip
         restart(x, p, state, mean, sd**2)
 
@@ -288,6 +309,9 @@ def _take_frame(values: Array, h: Array, nominal: Record, tuning: Record, memory
     3 i^2 / T.
     """
     ahead, span_s = values[0], values[3]
+    memory.tilted = 1 if math.isfinite(values[4] + values[5]) else 0
+    for i in range(2):
+        memory.tilt[i] = math.tan(values[4 + i]) if memory.tilted else 0.0
     x, p = memory.x, memory.p
     known_s = (memory.epoch_ns - memory.frame_ns) * 1e-9 if memory.frame_ns >= 0 else 1e9
     follows = abs(known_s - span_s) < SAME_S
@@ -299,9 +323,10 @@ def _take_frame(values: Array, h: Array, nominal: Record, tuning: Record, memory
         beside = rows.camera_left(x, memory.imu, lean, nominal, memory)
         frame = np.array([ahead, values[1], span_s])
         error = -rows.camera_aside(x, frame, follows, beside, lean, nominal, memory, h)
-        r = values[2] + (math.sin(x[18]) * tuning.camera_ahead_sd * ahead) ** 2
+        r = values[2] + (math.sin(x[CAMERA_YAW]) * tuning.camera_ahead_sd * ahead) ** 2
         r += 0.0 if follows else memory.lateral_psd * span_s / 3.0
-        sinks = math.sin(x[ROLL] - lean) * motion.sinking(x, memory.imu)
+        sunk, _ = motion.stance(x, lean, memory)
+        sinks = math.sin(sunk) * motion.sinking(x, memory.imu)
         r += sinks**2 * max(motion.SINKS_S / span_s, 1.0)
         take(x, p, h, error, r, GATE)
         memory.lateral_ns = memory.camera_ns = memory.epoch_ns

@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 
 from estimators.kalman import Array, Record
-from estimators.sideslip_ekf.layout import HEADING, ROLL, SECTORS, V_X
+from estimators.sideslip_ekf import motion
+from estimators.sideslip_ekf.layout import HEADING, SECTORS, V_X
 from twin.compute.compiled import array_law
 
 FELT_S, SLOW_S = 0.5, 8.0
@@ -86,7 +87,7 @@ def survey(turning_radps: float, dt: float, memory: Record) -> None:
 def _lean(dt: float, memory: Record) -> None:
     """Average the ground's gradient, from the body's roll and the climb."""
     x = memory.x
-    along, left = math.tan(memory.grade), math.tan(x[ROLL])
+    along, left = math.tan(memory.grade), math.tan(motion.across(x, memory))
     cos, sin = math.cos(x[HEADING]), math.sin(x[HEADING])
     across = memory.ground[1] * cos - memory.ground[0] * sin
     if memory.ground_s > SETTLED_S and abs(left - across) > DROP:

@@ -38,6 +38,10 @@ TRUST, SLOPING, PULLING, UNFELT = 1.0, 4.0, 16.0, 100.0
 the others on slopes, behind an implement, and where no force is felt."""
 STANCE_S = 3.0
 """Level driving that tells how the body stands [s]."""
+SEEN_NS = 200_000_000
+"""So old a frame still shows how the body stands."""
+BOUNCES_RAD, TILT_S = 2e-3, 1.0
+"""A body pitches by so much, seen by the camera over so long."""
 LEAST_STEP_S, MOST_STEP_S = 1e-3, 1.0
 
 
@@ -140,3 +144,6 @@ def _upright(h: Array, dt: float, nominal: Record, tuning: Record, memory: Recor
         memory.stance_s += dt
         rows.one(PITCH, h)
         take(x, p, h, -x[PITCH], tuning.stance_sd**2 * STANCE_S / dt, GATE)
+    if memory.tilted and memory.epoch_ns - memory.frame_ns < SEEN_NS:
+        off = rows.camera_stance(x, memory, h)
+        take(x, p, h, -off, BOUNCES_RAD**2 * TILT_S / dt, GATE)

@@ -24,14 +24,14 @@ MISALIGNED, RECEIVER_E, RECEIVER_N = range(13, 16)
 """Angle by which the antennas stand askew [rad], error of fixed positions that lasts [m]."""
 COMPLIANCE, PUSH = range(16, 18)
 """Slide of the rear tyres per force across [rad s2/m], slide that an implement makes [rad]."""
-CAMERA_YAW, CAMERA_SCALE, CAMERA_PULL = range(18, 21)
-"""Of the camera: how it is turned [rad], error of its height, and of the pixels' lateral speed
-[m/s]."""
-SLIDE, SLIDE_REAR, ASIDE = range(21, 24)
+CAMERA_YAW, CAMERA_PITCH, CAMERA_SCALE, CAMERA_PULL = range(18, 22)
+"""Of the camera: how it is turned and nosed up [rad], error of its height, and of the pixels'
+lateral speed [m/s]."""
+SLIDE, SLIDE_REAR, ASIDE = range(22, 25)
 """Integrals of the lateral speed: of the centre of gravity, of the rear axle, and of the camera
 since its last frame [m]."""
-SIZE = 24
-ENTRIES = 52
+SIZE = 25
+ENTRIES = 54
 """Places in F - I that are not zero, at most."""
 
 SENSORS = tuple(COLUMNS)
@@ -46,6 +46,7 @@ READ = {
     "imu": ("gyro_x_radps", "gyro_y_radps", "gyro_z_radps", "accel_x_mps2", "accel_y_mps2"),
     "camera": (
         "v_x_mps", "v_y_mps", "var_x_m2ps2", "var_y_m2ps2", "cov_xy_m2ps2", "interval_s", "used",
+        "tilt_ahead_rad", "tilt_left_rad",
     ),
 }  # fmt: skip
 """The columns that are taken, in the order in which they stand in a sample."""
@@ -77,6 +78,7 @@ MEMORY = np.dtype(
         # the IMU at the filter's time
         ("imu", "f8", 5), ("imu_ns", "i8"), ("heard", "i8", 5),
         ("felt", "f8", 2), ("felt_slow", "f8", 2), ("felt_var", "f8"), ("felt_s", "f8"),
+        ("tilt", "f8", 2), ("tilted", "i8"),
         # ground and work
         ("grade", "f8"), ("grade_s", "f8"), ("ground", "f8", 2), ("ground_s", "f8"),
         ("surveyed", "i8"),
@@ -99,6 +101,8 @@ when GNSS or camera last told the lateral speed; `lag_ns`: how late samples come
 what the slip filter said last, at `speed_ns`, -1 once it is taken; `faster_mps`: speed at which a
 slide was last carried on; `heard`: 1 for each of the IMU's columns that has values; `felt`:
 specific force ahead and to the left over half a second, `felt_slow` over some, in `felt_s`;
+`tilt`: how far the ground's normal leans forward and left in the camera's axes, where it tells
+that (`tilted`);
 `ground`: gradient of the ground to the east and north, told while nothing is pulled (`surveyed`);
 `sector_*`: what was felt along each heading; `law_var`: variance of the law of sliding [rad2];
 `steady_rad`: its angle, averaged; `lateral_psd`: density of the lateral speed's walk from frame to

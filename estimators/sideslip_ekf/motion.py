@@ -29,6 +29,7 @@ from estimators.sideslip_ekf.layout import (
     BIAS_R,
     BIAS_X,
     BIAS_Y,
+    CAMERA_PITCH,
     CAMERA_SCALE,
     CAMERA_YAW,
     COMPLIANCE,
@@ -55,6 +56,9 @@ from estimators.sideslip_ekf.layout import (
 )  # fmt: skip
 from twin.compute.compiled import array_law
 
+ROLLS = 0.06
+"""A body leans by this share more than the ground, as load goes to its lower wheels: m g h over the
+roll stiffness k b^2 / 2 of two tyres; 3 t at 0.8 m on 350 kN/m, 1.6 m apart (derived)."""
 HALF_TRACK_M, SINKS_S = 0.9, 1.0
 """From the middle of the body to a wheel that drops into a furrow [m], and how long it drops
 [s]."""
@@ -80,7 +84,7 @@ def across(x: Array, memory: Record) -> float:
     if memory.pulls and memory.surveyed:
         left = memory.ground[1] * math.cos(x[HEADING]) - memory.ground[0] * math.sin(x[HEADING])
         return math.atan(left)
-    return float(x[ROLL])
+    return float(x[ROLL] / (1.0 + ROLLS))
 
 
 @array_law
@@ -93,13 +97,45 @@ def sinking(x: Array, imu: Array) -> float:
 
 
 @array_law
-def body_left(v_x: float, v_y: float, x: Array, lean: float, memory: Record) -> float:
-    """Velocity along the body's own left [m/s]: of a body that has sunk in on one side by s.
+def stance(x: Array, lean: float, memory: Record) -> tuple[float, float]:
+    """How the body stands on the ground: left up by s, and nose down by t [rad].
 
-    v_y cos(s) + v_x sin(s) (pitch + grade),   s = roll - a
+    A camera sees the ground's normal lean by (k, l) in its own axes; else how body and ground lean
+    tells it:
+
+        tan(s) = k sin(c) + l cos(c)          or  s = roll - a
+        t = (camera's nose up - k cos(c) + l sin(c)) cos(s)    pitch + grade
     """
-    sunk = x[ROLL] - lean
-    return float(v_y * math.cos(sunk) + v_x * math.sin(sunk) * (x[PITCH] + memory.grade))
+    if not memory.tilted:
+        return float(x[ROLL] - lean), float(x[PITCH] + memory.grade)
+    cos, sin = math.cos(x[CAMERA_YAW]), math.sin(x[CAMERA_YAW])
+    sunk = math.atan(memory.tilt[0] * sin + memory.tilt[1] * cos)
+    nose = x[CAMERA_PITCH] - memory.tilt[0] * cos + memory.tilt[1] * sin
+    return float(sunk), float(nose * math.cos(sunk))
+
+
+@array_law
+def body_left(v_x: float, v_y: float, x: Array, lean: float, memory: Record) -> float:
+    """Velocity along the body's own left [m/s]: v_y cos(s) + v_x sin(s) t, of its `stance`."""
+    sunk, nose = stance(x, lean, memory)
+    return float(v_y * math.cos(sunk) + v_x * math.sin(sunk) * nose)
+
+
+@array_law
+def body_left_by(x: Array, lean: float, memory: Record) -> tuple[float, float, float, float]:
+    """Derivatives of `body_left` by v_x, v_y, and what the nose and the lean are told by.
+
+    Those are camera's pitch and yaw, or the body's pitch and roll.
+    """
+    sunk, nose = stance(x, lean, memory)
+    cos, sin = math.cos(sunk), math.sin(sunk)
+    by_lean = x[V_X] * cos * nose - x[V_Y] * sin
+    if not memory.tilted:
+        return sin * nose, cos, sin * x[V_X], by_lean
+    ahead, left = memory.tilt[0], memory.tilt[1]
+    leans = (ahead * math.cos(x[CAMERA_YAW]) - left * math.sin(x[CAMERA_YAW])) * cos * cos
+    noses = sin - nose * math.tan(sunk) * leans
+    return sin * nose, cos, sin * x[V_X] * cos, by_lean * leans + sin * x[V_X] * noses
 
 
 @array_law
@@ -208,12 +244,14 @@ def entries(
     n = _put(at, value, n, NORTH, PITCH, cos * by_pitch * dt)
     n = _put(at, value, n, SLIDE_REAR, V_Y, dt)
     n = _put(at, value, n, SLIDE, V_Y, dt)
-    sunk = x[ROLL] - lean
-    n = _put(at, value, n, ASIDE, V_Y, math.cos(sunk) * dt)
-    n = _put(at, value, n, ASIDE, V_X, math.sin(sunk) * (x[PITCH] + grade) * dt)
-    n = _put(at, value, n, ASIDE, PITCH, math.sin(sunk) * v_x * dt)
-    by_roll = -math.sin(sunk) * v_y + math.cos(sunk) * (x[PITCH] + grade) * v_x
-    n = _put(at, value, n, ASIDE, ROLL, by_roll * dt)
+    by_x, by_y, by_nose, by_lean = body_left_by(x, lean, memory)
+    felt_s, seen_s = (0.0, dt) if memory.tilted else (dt, 0.0)
+    n = _put(at, value, n, ASIDE, V_Y, by_y * dt)
+    n = _put(at, value, n, ASIDE, V_X, by_x * dt)
+    n = _put(at, value, n, ASIDE, PITCH, by_nose * felt_s)
+    n = _put(at, value, n, ASIDE, ROLL, by_lean * felt_s)
+    n = _put(at, value, n, ASIDE, CAMERA_PITCH, by_nose * seen_s)
+    n = _put(at, value, n, ASIDE, CAMERA_YAW, by_lean * seen_s)
     n = _put(at, value, n, SLIDE, BIAS_R, -nominal.cg_x_m * dt)
     n = _put(at, value, n, SLIDE, GYRO_SCALE, -nominal.cg_x_m * gyro * dt)
     n = _put(at, value, n, ASIDE, BIAS_R, -nominal.camera_m[0] * dt)
@@ -314,6 +352,8 @@ def noise(
         p[bias, bias] += tuning.gyro_bias_psd * dt
     for bias in (BIAS_X, BIAS_Y):
         p[bias, bias] += tuning.accel_bias_psd * dt
+    # and as a body rolls, gravity's share across as one ahead
+    p[BIAS_X, BIAS_X] += askew * (nominal.gravity_mps2 * imu[P_RATE]) ** 2 * dt
     lasting = tuning.lasting_share * nominal.position_sd_m
     for state in (RECEIVER_E, RECEIVER_N):
         fade(x, p, state, tuning.receiver_s, lasting, dt)

@@ -52,8 +52,9 @@ def wait_frame(epoch_ns: int, values: Array, memory: Record) -> None:
     if not math.isfinite(ahead + left + half):
         return
     span_s = values[5] if 0.0 < values[5] < LONGEST_S else USUAL_S
-    told = np.empty(4)
+    told = np.empty(6)
     told[0], told[1], told[2], told[3] = ahead, left, variance, span_s
+    told[4], told[5] = values[7], values[8]
     wait(epoch_ns, CAMERA, told, memory)
     wait(epoch_ns + round(0.5e9 * span_s), FRAME, told, memory)
 

@@ -13,6 +13,7 @@ from estimators.sideslip_ekf.layout import (
     BIAS_P,
     BIAS_Q,
     BIAS_R,
+    CAMERA_PITCH,
     CAMERA_PULL,
     CAMERA_SCALE,
     CAMERA_YAW,
@@ -33,7 +34,7 @@ from estimators.sideslip_ekf.layout import (
     V_X,
     V_Y,
 )  # fmt: skip
-from estimators.sideslip_ekf.motion import body_left, turning
+from estimators.sideslip_ekf.motion import body_left, body_left_by, stance, turning
 from twin.compute.compiled import array_law
 
 EARTH_MPS2 = 9.81
@@ -163,7 +164,8 @@ def camera_ahead(
     h[:] = 0.0
     _by_left(x, lean, k * sin, nominal, memory, h)
     h[V_X] += k * cos
-    h[CAMERA_SCALE], h[CAMERA_YAW] = along, k * (u_y * cos - u_x * sin)
+    h[CAMERA_SCALE] = along
+    h[CAMERA_YAW] += k * (u_y * cos - u_x * sin)
     h[BIAS_R] += k * y_c * cos
     h[GYRO_SCALE] += k * y_c * cos * imu[R_RATE]
     h[BIAS_Q] = -k * z_c * cos
@@ -176,11 +178,11 @@ def _by_left(x: Array, lean: float, by: float, nominal: Record, memory: Record, 
 
     Where nothing turns, its noise would be taken for a scale.
     """
-    sunk, nose = x[ROLL] - lean, x[PITCH] + memory.grade
-    h[V_Y] += by * math.cos(sunk)
-    h[V_X] += by * math.sin(sunk) * nose
-    h[PITCH] += by * math.sin(sunk) * x[V_X]
-    h[ROLL] += by * (math.cos(sunk) * nose * x[V_X] - math.sin(sunk) * x[V_Y])
+    by_x, by_y, by_nose, by_lean = body_left_by(x, lean, memory)
+    h[V_X] += by * by_x
+    h[V_Y] += by * by_y
+    h[CAMERA_PITCH if memory.tilted else PITCH] += by * by_nose
+    h[CAMERA_YAW if memory.tilted else ROLL] += by * by_lean
     h[BIAS_R] -= by * nominal.camera_m[0]
     h[BIAS_P] += by * nominal.camera_m[2]
 
@@ -213,8 +215,18 @@ def camera_aside(
         h[ASIDE] = k / span_s
     else:
         _by_left(x, lean, k, nominal, memory, h)
-    h[CAMERA_SCALE], h[CAMERA_PULL], h[CAMERA_YAW] = u_y, 1.0, left * sin - ahead * cos
+    h[CAMERA_SCALE], h[CAMERA_PULL] = u_y, 1.0
+    h[CAMERA_YAW] += left * sin - ahead * cos
     return float(k * u_y + x[CAMERA_PULL] - left * cos - ahead * sin)
+
+
+@array_law
+def camera_stance(x: Array, memory: Record, h: Array) -> float:
+    """Nose down on level ground, as the camera sees it, less what the body's pitch is [rad]."""
+    sunk, nose = stance(x, 0.0, memory)
+    h[:] = 0.0
+    h[CAMERA_PITCH], h[CAMERA_YAW], h[PITCH] = 1.0, sunk, -1.0  # level ground: both are small
+    return float(nose - x[PITCH])
 
 
 @array_law

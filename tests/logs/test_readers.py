@@ -108,6 +108,27 @@ def test_what_a_reader_gives_wrong_is_told_by_name(tmp_path, changed, says):
     assert str(caught.value).startswith(str(tmp_path / "drive.log"))
 
 
+@pytest.mark.parametrize(
+    ("fastest", "says"),
+    [
+        ("", r"356.4 km/h\), no tractor's speed; .*fastest_kmh = 360 in \[log\]"),
+        ("[log]\nfastest_kmh = 130", r"says fastest_kmh = 130; .*fastest_kmh = 360 in \[log\]"),
+        ("[log]\nfastest_kmh = 360", None),
+    ],
+)
+def test_a_map_says_how_fast_a_vehicle_is_that_is_no_tractor(tmp_path, fastest, says):
+    fast = Own(v_gnss=Signal(np.full(20, 99.0), signals()["v_gnss"].epoch_ns))
+    written = write(tmp_path, fastest + MAP.partition("[wheels]")[0])
+    if says is None:
+        log = read(*written, fast)
+        assert np.hypot(log.streams["gnss"]["v_east_mps"], log.streams["gnss"]["v_north_mps"])[
+            5
+        ] == pytest.approx(99.0)
+        return
+    with pytest.raises(BadInput, match=says):
+        read(*written, fast)
+
+
 def test_counts_are_not_interpolated(tmp_path):
     text = '[wheels]\nticks_rl = {column = "v_wheel", unit = "1"}\n' + (
         'ticks_rr = {column = "v_gnss", unit = "1"}\n'

@@ -120,7 +120,7 @@ def sources(file: Path) -> tuple[Path, ...]:
 
 @cache
 def imports(file: Path) -> frozenset[Path]:
-    """The files of our packages that a file's import statements name, wherever they stand in it.
+    """The files of our packages that a file's import statements name, anywhere in it.
 
     `from a.b import c` names a/b/c.py or, where c is no module, the file of a.b.
     """
@@ -185,14 +185,14 @@ def is_edited(file: Path) -> bool:
 
 
 class _Locator(InTreeCacheLocator):  # type: ignore[misc]  # numba has no types
-    """Tells numba the folder, which is the same for every copy of the same sources."""
+    """Gives numba the folder, which is the same for every copy of the same sources."""
 
     def __init__(self, function: Untyped, file: str) -> None:
         super().__init__(function, file)
         self._cache_path = str(folder(Path(file)))
 
     def get_source_stamp(self) -> str:
-        """Nothing: the folder's name tells one state of the sources from another."""
+        """Nothing: the folder's name identifies the state of the sources."""
         return ""
 
 

@@ -1,6 +1,6 @@
 """A compiled function that costs little to compile where only compiled functions call it.
 
-numba makes of every function all that could be asked of it: what Python calls it by, machine code
+numba makes everything of a function that could be needed: what Python calls it by, machine code
 of its own, and a place in its cache, once for each function. Nearly all functions of a law or a
 filter are called by compiled ones alone. Here such a function becomes code that is linked into its
 callers and optimised there. What Python itself calls is compiled as numba does it.

@@ -55,11 +55,11 @@ def control(
 
     Args:
         work_rad: angle of the lower links that the actions ask for (nsim,).
-        qpos, userdata, world_from_ground, links: as `observe` has them.
-        tasks, drivetrain, seen, drivers, pedals, qvel, engine, controls, chosen, actuators, ctrl,
-            dt_s: as `decide` has them.
+        qpos, qvel, userdata, world_from_ground, links: as `observe` has them.
+        tasks, drivetrain, seen, drivers, pedals, engine, controls, chosen, actuators, ctrl, dt_s:
+            as `decide` has them.
     """
-    observe(qpos, userdata, world_from_ground, links, seen)
+    observe(qpos, qvel, userdata, world_from_ground, links, seen)
     for i in range(len(tasks)):
         tasks[i].work_rad = work_rad[i]
     decide(
@@ -73,15 +73,17 @@ def moved(
     state: Array, warned: NDArray[np.int64], velocity: Array, standing_s: Array, dt_s: float,
     slow_mps: float,
 ) -> bool:  # fmt: skip
-    """Count how long each has stood; whether all went well, as `Simulation.refuse_failure` asks.
+    """Whether all states are finite and MuJoCo gave no warning; counts how long each has stood.
+
+    It returns at the first warning, and standing times of later tractors are then not counted.
 
     Args:
         state: the machines' states (nsim, nstate).
         warned: how often MuJoCo warned (nsim, kinds).
         velocity: of the rear axle (3, nsim) [m/s].
-        standing_s: read and written (nsim,).
-        dt_s: the interval.
-        slow_mps: below this a tractor stands.
+        standing_s: time that each has stood, read and written (nsim,) [s].
+        dt_s: the interval [s].
+        slow_mps: below this speed in space a tractor stands [m/s].
     """
     squares = 0.0
     for i in range(state.shape[0]):

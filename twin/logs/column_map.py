@@ -1,7 +1,7 @@
 """The column map: a small TOML that says which column of a log is what, and in which unit.
 
     [log]        time = {column = "time_s", unit = "s"}; encoding, delimiter, decimal, dbc,
-                 bad_rows, offset_s: see `Reading`
+                 bad_rows, fastest_kmh, offset_s: see `Reading`
     [gnss]       latitude, longitude, height, speed, course, heading, ...   (all are in QUANTITIES)
     [wheels]     driven_speed = {column = "wheel_speed_kmh", unit = "km/h"}, or by wheel
     [imu]        gyro_z, accel_x, ...; axes = "FRD" where y points right and z down
@@ -15,7 +15,7 @@
     [setup]      machine, wheelbase_m, ...; [setup.gnss], ... as in `twin.streams.Setup`
 
 Every quantity may have scale and offset (value = scale x cell + offset, in its unit), sign = -1,
-and missing = [...], cells that stand for no value. A section may have a time of its own, as
+and missing = [...], cells that mean no value. A section may have a time of its own, as
 [log] has. An angle is in the compass's sense (clockwise from north) unless its `convention` is
 "east", the counter-clockwise from east that the streams use.
 """
@@ -59,7 +59,7 @@ class Source:
     offset: float = 0.0
     """In the unit: value = sign (scale x cell + offset)."""
     missing: tuple[float, ...] = ()
-    """Cells that stand for no value."""
+    """Cells that mean no value."""
     layout: str = ""
     """Of a timestamp, as strftime writes it."""
     more: tuple[str, ...] = ()
@@ -150,7 +150,8 @@ def _axes(section: Mapping[str, object]) -> str:
 def _reading(section: Mapping[str, object], folder: Path) -> Reading:
     """How files are to be read, from [log]."""
     texts = ("encoding", "delimiter", "decimal")
-    _known(section, "key of [log]", ("time", *texts, "dbc", "bad_rows", "offset_s"))
+    keys = ("time", *texts, "dbc", "bad_rows", "fastest_kmh", "offset_s")
+    _known(section, "key of [log]", keys)
     text = {key: _text(f"log.{key}", section[key], "text") for key in texts if key in section}
     if text.get("decimal", ".") not in (".", ","):
         raise BadInput(f"log.decimal = {text['decimal']!r} must be '.' or ','")
@@ -159,10 +160,14 @@ def _reading(section: Mapping[str, object], folder: Path) -> Reading:
     dbc = section.get("dbc", [])
     files = [_text("log.dbc", d, "file") for d in (dbc if isinstance(dbc, list) else [dbc])]
     bad_rows = _limit("log.bad_rows", section["bad_rows"]) if "bad_rows" in section else None
+    fastest = (
+        _limit("log.fastest_kmh", section["fastest_kmh"]) if "fastest_kmh" in section else None
+    )
     offsets = _table(section.get("offset_s", {}), "log.offset_s")
     return Reading(
         encoding=text.get("encoding", ""), delimiter=text.get("delimiter", ""),
         decimal=text.get("decimal", ""), dbc=tuple(folder / f for f in files), bad_rows=bad_rows,
+        fastest_kmh=fastest,
         offset_s={name: _number(f"log.offset_s.{name}", v) for name, v in offsets.items()},
     )  # fmt: skip
 

@@ -84,4 +84,4 @@ QUANTITIES: dict[str, dict[str, Quantity]] = {
     },
 }
 """Section -> key -> quantity. Speeds are held to 50 km/h at the median and 100 km/h anywhere
-instead of a range. Engine load reaches 250 % in SAE J1939 (SPN 92)."""
+instead of a range, or to what the map says. Engine load reaches 250 % in SAE J1939 (SPN 92)."""

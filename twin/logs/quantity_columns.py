@@ -22,7 +22,7 @@ from twin.logs.units import UNITS, WHEEL_RATES
 from twin.streams import Array
 
 ANGLE_COUNTS = 10_000
-"""Counts of a turn where a wheel's angle stands for its counts and the set-up has no number."""
+"""Counts of a turn where a wheel's angle is turned into counts and the set-up has no number."""
 _FRD = {"gyro_y", "gyro_z", "accel_y", "accel_z"}
 """What turns its sign between forward, right, down and forward, left, up."""
 
@@ -52,9 +52,10 @@ def si_values(
         signal: the column, or its rows that have a time.
         at: number in the log of each of its rows.
         columns_of: the map.
-        told: takes the notes and the losses.
+        told: notes and losses, added to.
     """
     quantity, name = QUANTITIES[section][key], source.column
+    fastest_kmh = columns_of.reading.fastest_kmh
     raw, wrong = numbers(name, signal.cells)
     table = "log" if signal.epoch_ns is None else name
     if wrong.any():
@@ -78,11 +79,11 @@ def si_values(
         )
     si = np.where(holes | codes, np.nan, si) if holes.any() or codes.any() else si
     if quantity.dimension == "speed":
-        check_usual_speed(name, source.unit, factor, si)
-    odd = implausible(quantity, si)
+        check_usual_speed(name, source.unit, factor, si, fastest_kmh)
+    odd = implausible(quantity, si, fastest_kmh)
     if odd.any():
         row = int(np.argmax(odd))
-        why = why_implausible(quantity, source.unit, factor, float(si[row]))
+        why = why_implausible(quantity, source.unit, factor, float(si[row]), fastest_kmh)
         told.losses.append(
             Loss(table, at[odd], len(si), f"column {quoted(name)}, row {at[row]}: {why}")
         )

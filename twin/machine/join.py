@@ -41,12 +41,15 @@ def joined(
 def _read(part: Machine | Implement) -> mujoco.MjSpec | None:
     """The hand-made MJCF; None where there is none."""
     path = mjcf_path(part)
-    return None if path is None else _parsed(path, path.stat().st_mtime_ns).copy()
+    if path is None:
+        return None
+    stamps = tuple(p.stat().st_mtime_ns for p in sorted(path.parent.glob("*.xml")))
+    return _parsed(path, stamps).copy()
 
 
 @lru_cache(maxsize=8)
-def _parsed(path: Path, changed_ns: int) -> mujoco.MjSpec:
-    """A file's specification, to be copied: a copy takes a hundredth of the time of reading."""
+def _parsed(path: Path, stamps: tuple[int, ...]) -> mujoco.MjSpec:
+    """A MJCF as it was at these times of it and its neighbours: parsing takes 50 ms, a copy 0.4."""
     try:
         return mujoco.MjSpec.from_file(str(path))
     except ValueError as error:

@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     from twin.camera.tracking import Tracker
 
 Progress = Callable[[float, float], None]
-"""Told the share of the course driven, 0 to 1, and the time driven [s]."""
+"""Called with the share of the course driven, 0 to 1, and the time driven [s]."""
 KEPT_EVERY = 10
-"""Of the camera's frames every so many are kept to be looked at."""
+"""One in this many of the camera's frames is saved."""
 
 
 def run(
@@ -58,7 +58,7 @@ def run(
     Args:
         scenario: what is driven, with its seed.
         estimators: by name; each sees the set-up and the streams, nothing else.
-        progress: told how far it is.
+        progress: called with the share driven, 0 to 1, and the time driven [s].
         frames: folder where the camera's frames are saved as PNG.
         controlled: who sets throttle and hitch in work, in the driver's place.
 
@@ -134,7 +134,7 @@ def sense(
     Args:
         machine: what is driven.
         driven: its driven wheels.
-        progress: told how far it is.
+        progress: called with the share driven, 0 to 1, and the time driven [s].
         frames: folder where the camera's frames are saved as PNG.
         set_levers: sets throttle and hitch in work, in the driver's place.
 

@@ -105,7 +105,11 @@ def _turned(scenario: Scenario) -> Any:
 
 
 def dataframe(result: Result) -> pandas.DataFrame:
-    """The estimates as one data frame; see `Result.to_dataframe`."""
+    """The estimates as one data frame; see `Result.to_dataframe`.
+
+    Raises:
+        BadInput: pandas is not installed.
+    """
     try:
         import pandas
     except ModuleNotFoundError:

@@ -35,9 +35,11 @@ def run_scores(result: Result) -> scores.Scores:
 
 
 def log_scores(result: Result) -> scores.Scores:
-    """Scores of a log where it has a reference, and what was found of it.
+    """Scores against the log's reference, none without one; then the log's own statistics.
 
-    By the driver's phases where it is a run's folder, else by the activities of the log.
+    Scores are split by phase: that of the reference where it has `phase` or `depth_m`, else the
+    activity found in the log. The statistics are those of `result.found`, the notes and where slip
+    is zero.
     """
     from twin.pipeline.drive import phases_of  # slow to import, and a run needs it not
 

@@ -28,7 +28,7 @@ MASK = Outage(start_s=1.0, duration_s=60.0, kind="mask")
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """A total, told and true, over the same instants."""
+    """A total, estimated and true, over the same instants."""
 
     told_m: float
     true_m: float
@@ -36,7 +36,7 @@ class Estimate:
 
     @property
     def error_m(self) -> float:
-        """Told less true."""
+        """Estimated less true."""
         return self.told_m - self.true_m
 
     @property
@@ -83,7 +83,7 @@ def trial(
     Args:
         name: of the scenario with the antennas open.
         seed: of all chance.
-        slope_deg: of the platform, which the paper's chain is told.
+        slope_deg: of the platform; the paper's chain gets it.
         papers: whether the paper's chains are run too.
         before: of another drive; its frames are not tracked again where all samples are the same.
 

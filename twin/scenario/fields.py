@@ -1,6 +1,6 @@
 """Fields of nested frozen dataclasses by dotted path: `soil.friction`, `field.patches.0.length_m`.
 
-A hyphen may stand for an underscore, as on the command line.
+A hyphen may replace an underscore, as on the command line.
 """
 
 from __future__ import annotations

@@ -11,12 +11,16 @@ IMU = np.array([0.03, -0.02, 0.21, 0.4, 1.3])
 LEAN, DT, SHORT, STEP = 0.12, 0.02, 1e-5, 1e-6
 
 
-@pytest.fixture
-def parts():
-    """Nominal, memory with everything felt, and a state far from zero in all its parts."""
+@pytest.fixture(params=[False, True], ids=["felt", "seen"])
+def parts(request):
+    """Nominal, memory with everything felt, and a state far from zero in all its parts.
+
+    How the body stands is felt, or seen by a camera.
+    """
     memory = layout.first_memory()[0]
     memory["heard"] = 1
     memory["grade"] = 0.05
+    memory["tilted"], memory["tilt"] = request.param, (0.1, 0.15)
     x = np.random.default_rng(3).uniform(0.05, 0.2, SIZE)
     x[layout.V_X], x[layout.HEADING] = 1.7, 2.3
     return layout.nominal(SETUP)[0], memory, x
@@ -95,6 +99,22 @@ def test_the_baseline_is_turned_as_a_rotation_turns_it(parts):
     due = np.arctan2(direction[1], direction[0]) + x[layout.MISALIGNED]
     seen = rows.azimuth(x, -1.2, np.zeros(SIZE))
     assert np.exp(1j * seen) == pytest.approx(np.exp(1j * due), abs=1e-12)
+
+
+def test_a_camera_tells_how_the_body_stands_on_the_ground(parts):
+    _, memory, x = parts
+    if not memory["tilted"]:
+        return
+    turned, up, sunk, nose = 0.03, 0.01, 0.16, 0.02
+    x[layout.CAMERA_YAW], x[layout.CAMERA_PITCH] = turned, up
+    cos, sin = np.cos, np.sin
+    rolled = np.array([[1, 0, 0], [0, cos(sunk), -sin(sunk)], [0, sin(sunk), cos(sunk)]])
+    nosed = np.array([[cos(nose), 0, sin(nose)], [0, 1, 0], [-sin(nose), 0, cos(nose)]])
+    yawed = np.array([[cos(turned), -sin(turned), 0], [sin(turned), cos(turned), 0], [0, 0, 1]])
+    raised = np.array([[cos(up), 0, -sin(up)], [0, 1, 0], [sin(up), 0, cos(up)]])
+    ahead, left, above = raised.T @ yawed.T @ (nosed @ rolled).T @ (0.0, 0.0, 1.0)
+    memory["tilt"] = ahead / above, left / above
+    assert motion.stance(x, 0.0, memory) == pytest.approx((sunk, nose), abs=3e-4)
 
 
 def test_the_covariance_is_carried_as_the_product_is(parts):

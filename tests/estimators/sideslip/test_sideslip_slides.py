@@ -84,6 +84,13 @@ def test_one_stretch_alone_does_not_tell_askew_antennas_from_a_slope():
     assert sd[1] < np.radians(0.08)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_a_steep_slope_is_felt_from_the_first_sample(seed):
+    told, true, sd, _ = estimated(seed=seed, slope_deg=18.0)
+    assert abs(told[0] - true[0]) < 3 * sd
+    assert told[0] == pytest.approx(true[0], rel=0.01)
+
+
 def test_frames_that_are_missing_for_a_while_are_got_over():
     streams, cg_m, _, begin_s = slides()
     camera = {name: column.copy() for name, column in streams["camera"].items()}

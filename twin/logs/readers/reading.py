@@ -23,5 +23,7 @@ class Reading:
     """Files that say what is in CAN frames."""
     bad_rows: float | None = None
     """Share of the rows that may be bad; None for `losses.SHARE`."""
+    fastest_kmh: float | None = None
+    """Speed up to which the vehicle drives, where that is no tractor's."""
     offset_s: Mapping[str, float] = field(default_factory=dict)
     """File name -> how far its clock is ahead of the first file's."""
