@@ -45,7 +45,6 @@ def control(
     world_from_ground: Array,
     links: int,
     engine: int,
-    engine_radps: Array,
     controls: Array,
     chosen: Places,
     actuators: Places,
@@ -56,23 +55,17 @@ def control(
 
     Args:
         work_rad: angle of the lower links that the actions ask for (nsim,).
-        tasks, drivetrain, seen, drivers, pedals, controls: as `decide` has them.
-        qpos, qvel, userdata, world_from_ground, links: as `observe` has them; qvel has the speed of
-            the `engine`'s shaft too.
-        engine: where that is.
-        engine_radps: written, the engines' speeds (nsim,).
-        chosen, actuators: which of the controls go to which actuators.
-        ctrl: written, the actuators' controls (nsim, nu).
-        dt_s: the interval.
+        qpos, qvel, userdata, world_from_ground, links: as `observe` has them.
+        tasks, drivetrain, seen, drivers, pedals, engine, controls, chosen, actuators, ctrl, dt_s:
+            as `decide` has them.
     """
     observe(qpos, qvel, userdata, world_from_ground, links, seen)
     for i in range(len(tasks)):
         tasks[i].work_rad = work_rad[i]
-        engine_radps[i] = drivetrain[i].gear_ratio * qvel[i, engine]
-    decide(tasks, drivetrain, seen, engine_radps, drivers, pedals, controls, dt_s)
-    for i in range(len(tasks)):
-        for k in range(len(chosen)):
-            ctrl[i, actuators[k]] = controls[i, chosen[k]]
+    decide(
+        tasks, drivetrain, seen, qvel, engine, drivers, pedals, controls, chosen, actuators, ctrl,
+        dt_s,
+    )  # fmt: skip
 
 
 @law

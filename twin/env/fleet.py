@@ -158,8 +158,6 @@ class Fleet(Simulation):
         self.flags = int(model.opt.disableflags)
         self.every, self.lift_rad = np.arange(nsim), self.drivers["lift_rad"]
         self.standing_s, self.work_rad = np.zeros(nsim), self.tasks["work_rad"].copy()
-        self.chosen, self.into = np.array(self.set_by_driver), np.array(self.actuators)
-        self.shaft_radps = np.zeros(nsim)
         if machine.hitch is not None:
             self.levers = records(levers(machine), 1)
         self.velocity = self.qvel[:, :3].T
@@ -243,7 +241,7 @@ class Fleet(Simulation):
         control(
             self.work_rad, self.tasks, self.drivetrain, self.seen, self.drivers, self.pedals,
             self.qpos, self.qvel, self.slots, self.world_from_ground, self.links, self.engine,
-            self.shaft_radps, self.controls, self.chosen, self.into, self.ctrl, self.period_s,
+            self.controls, self.chosen, self.into, self.ctrl, self.period_s,
         )  # fmt: skip
 
     def look(self, ids: Ids, out: Array) -> None:

@@ -16,6 +16,7 @@ from twin.simulation.driver import ackermann, drive
 from twin.simulation.records import Records
 
 Array = NDArray[np.float64]
+Places = NDArray[np.int64]
 
 CONTROLS = (
     "throttle", "clutch_pedal", "brake", "steer_left", "steer_right", "lift",
@@ -67,22 +68,29 @@ def decide(
     tasks: Records,
     drivetrain: Records,
     seen: Records,
-    engine_radps: Array,
+    qvel: Array,
+    engine: int,
     drivers: Records,
     pedals: Records,
     controls: Array,
+    chosen: Places,
+    actuators: Places,
+    ctrl: Array,
     dt_s: float,
 ) -> None:
-    """The controls for the next interval, and what the drivers remember.
+    """The controls for the next interval, set, and what the drivers remember.
 
     Args:
         tasks: a DriverTask of each (nsim,).
         drivetrain: a Drivetrain of each (nsim,).
         seen: an Observation of each (nsim,).
-        engine_radps: engine speeds (nsim,).
+        qvel: velocities (nsim, nv), that of the `engine`'s shaft among them.
+        engine: where that is.
         drivers: read and written, a DriverState of each (nsim,).
         pedals: read and written, a BrakePedal of each (nsim,).
         controls: written, the values of CONTROLS (nsim, 8).
+        chosen, actuators: which of the controls go to which actuators.
+        ctrl: written, the actuators' controls (nsim, nu).
         dt_s: the interval.
     """
     for i in range(len(tasks)):
@@ -93,7 +101,8 @@ def decide(
         driver.felt_n, driver.full_depth_at_m = new.felt_n, new.full_depth_at_m
         driver.working = new.working
         asked_radps = governed_radps(known, task.throttle)
-        foot = press(known, pedal, engine_radps[i], asked_radps, dt_s)
+        engine_radps = known.gear_ratio * qvel[i, engine]
+        foot = press(known, pedal, engine_radps, asked_radps, dt_s)
         pedal.asked_radps, pedal.felt_mps = foot.asked_radps, foot.felt_mps
         pedal.held_mps2, pedal.pedal = foot.held_mps2, foot.pedal
         left, right = ackermann(new.steer_rad, task.wheelbase_m, task.track_m)
@@ -102,3 +111,5 @@ def decide(
         controls[i, 3], controls[i, 4], controls[i, 5] = left, right, new.lift_rad
         controls[i, 6] = 1.0 if task.differential_lock and new.working else 0.0
         controls[i, 7] = 1.0 if task.front_drive else 0.0
+        for k in range(len(chosen)):
+            ctrl[i, actuators[k]] = controls[i, chosen[k]]

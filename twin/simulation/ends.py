@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from twin.machine.build import Machine
 from twin.physics.shapes import Vector
 from twin.simulation.driver import LOOKAHEAD_M
 from twin.trajectory.end import LOOK_BACK_S, NOW_S, OVERSPEED, STALL_M, STUCK_SLIP, Outcome
-from twin.truth.motion import compiled_slip_ratio
+from twin.truth.motion import slip_ratio_of
 
 LEFT_M = LOOKAHEAD_M
 """So much further beside the line the driver has lost it [m]: the point of it that he steers for
@@ -58,8 +59,7 @@ def stance(machine: Machine) -> Stance:
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Progress:
+class Progress(NamedTuple):
     """What is looked at after a decision of the driver."""
 
     along_m: float
@@ -104,10 +104,10 @@ class EndMonitor:
             return Outcome.ROLLED_OVER, math.degrees(math.acos(min(1.0, now.up_b[2])))
         if now.follows and abs(now.left_m) > self.nearest_m + LEFT_M:
             return Outcome.LEFT_LINE, abs(now.left_m)
-        slip, lately = self._slip(NOW_S), self._slip(LOOK_BACK_S)
-        if min(slip, lately) > STUCK_SLIP:
+        slip = self._slip(NOW_S)
+        if slip > STUCK_SLIP and self._slip(LOOK_BACK_S) > STUCK_SLIP:
             return Outcome.STUCK, slip
-        if max(slip, lately) < -STUCK_SLIP:
+        if slip < -STUCK_SLIP and self._slip(LOOK_BACK_S) < -STUCK_SLIP:
             return Outcome.SLID, slip
         if self.racing_s > NOW_S:
             return Outcome.RAN_AWAY, now.engine_rpm
@@ -122,4 +122,4 @@ class EndMonitor:
             return 0.0
         (_, rim_m, hub_m), (_, rim_then_m, hub_then_m) = self.past[-1], self.past[-1 - count]
         rim_mps, hub_mps = (rim_m - rim_then_m) / time_s, (hub_m - hub_then_m) / time_s
-        return float(compiled_slip_ratio(rim_mps, hub_mps))
+        return slip_ratio_of(rim_mps, hub_mps)

@@ -23,7 +23,7 @@ from twin.trajectory.end import End, Outcome
 from twin.trajectory.phase import Phase
 from twin.trajectory.trajectory import Trajectory
 
-CHUNK_DECISIONS = 50
+CHUNK_DECISIONS = 200
 
 
 class CourseRun:
@@ -237,7 +237,7 @@ class CourseRun:
 def simulate(
     machine: Machine, chunk_decisions: int = CHUNK_DECISIONS, set_levers: SetLevers | None = None
 ) -> Iterator[Trajectory]:
-    """Drive the scenario's course; trajectories of about a second each, contiguous.
+    """Drive the scenario's course; trajectories of some seconds each, contiguous.
 
     The last says how the drive ended: at the end of the course, or early (`twin.simulation.ends`)
     where the tractor has rolled over, left its line, got stuck on spinning wheels, slid away on
