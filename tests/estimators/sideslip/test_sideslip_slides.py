@@ -1,10 +1,13 @@
 """Slides across a slope whose amount is known, with and without camera and GNSS."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from slides import SETUP, slides
 
 from estimators.sideslip_ekf import SideslipEkf
+from estimators.sideslip_ekf.layout import PITCH
 from twin.streams import Streams
 from twin.testing import check_estimator
 
@@ -89,6 +92,24 @@ def test_a_steep_slope_is_felt_from_the_first_sample(seed):
     told, true, sd, _ = estimated(seed=seed, slope_deg=18.0)
     assert abs(told[0] - true[0]) < 3 * sd
     assert told[0] == pytest.approx(true[0], rel=0.01)
+
+
+def test_a_first_position_does_not_tell_how_the_body_leans():
+    """Before a force is felt the antenna's place tells the axle's; after it the arm leans, too."""
+    gnss_setup = dataclasses.replace(SETUP.gnss, lever_arm_m=(0.4, 0.28, 3.0), position_sd_m=0.01)
+    setup = dataclasses.replace(SETUP, gnss=gnss_setup)
+    streams, *_ = slides(blind=True)
+    tables = {
+        name: {column: values[table["epoch_ns"] < 1e9] for column, values in table.items()}
+        for name, table in streams.tables.items()
+    }
+    tables["imu"] = {c: v[tables["imu"]["epoch_ns"] > 0.3e9] for c, v in tables["imu"].items()}
+    time_s = tables["gnss"]["epoch_ns"] * 1e-9
+    tables["gnss"] |= {"east_m": 0.4 + time_s, "north_m": np.full(len(time_s), 0.28)}
+    own = SideslipEkf()
+    state, _ = own.run(own.init(setup), Streams(tables))
+    sd = np.degrees(np.sqrt(state.memory["p"][0][PITCH, PITCH]))
+    assert sd > 0.4  # that of the accelerometer's bias is 0.6
 
 
 def test_frames_that_are_missing_for_a_while_are_got_over():
