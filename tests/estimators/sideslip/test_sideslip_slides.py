@@ -7,7 +7,7 @@ import pytest
 from slides import SETUP, slides
 
 from estimators.sideslip_ekf import SideslipEkf
-from estimators.sideslip_ekf.layout import PITCH
+from estimators.sideslip_ekf.layout import MISALIGNED, PITCH
 from twin.streams import Streams
 from twin.testing import check_estimator
 
@@ -82,9 +82,26 @@ def test_one_stretch_alone_does_not_tell_askew_antennas_from_a_slope():
     own = SideslipEkf()
     state, _ = own.run(own.init(SETUP), Streams(alone))
     both, _ = own.run(own.init(SETUP), streams)
-    sd = [float(np.sqrt(s.memory["p"][0][13, 13])) for s in (state, both)]
+    sd = [float(np.sqrt(s.memory["p"][0][MISALIGNED, MISALIGNED])) for s in (state, both)]
     assert sd[0] > np.radians(0.15)
-    assert sd[1] < np.radians(0.08)
+    assert sd[1] < np.radians(0.1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_antennas_askew_by_a_degree_are_found_there_and_back(seed):
+    streams, *_, begin_s = slides(seed=seed, blind=True)
+    before = {
+        name: {c: v[t["epoch_ns"] < (begin_s - 1) * 1e9] for c, v in t.items()}
+        for name, t in streams.tables.items()
+    }
+    heading = before["gnss"]["heading_rad"]
+    own = SideslipEkf()
+    found = []
+    for askew in (0.0, np.radians(1.0)):
+        turned = Streams({**before, "gnss": before["gnss"] | {"heading_rad": heading + askew}})
+        state, _ = own.run(own.init(SETUP), turned)
+        found.append(state.memory["x"][0][MISALIGNED])
+    assert found[1] - found[0] == pytest.approx(np.radians(1.0), abs=np.radians(0.1))
 
 
 @pytest.mark.parametrize("seed", range(3))
