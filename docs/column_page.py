@@ -21,8 +21,8 @@ HEAD = """# Columns
 
 <!-- Written by `python docs/column_page.py` from `twin/io/columns.py`; edit that. -->
 
-Every column of streams, truth and estimates. A name ends in its unit. [Concepts](concepts.md)
-defines slip, sideslip and the frames.
+Every column of streams, truth and estimates. The name of a quantity with a unit ends in the unit.
+[Concepts](concepts.md) defines slip, sideslip and the frames.
 
 | frame | axes |
 |---|---|
@@ -86,15 +86,16 @@ def page() -> str:
         parts += [f"\n### {sensor}\n", f"{SENSORS[sensor]}\n", table(columns)]
     parts += [
         "\n## Truth\n",
-        "`truth.parquet` has a row every 20 ms. Powers count positive out of the machine, "
-        "`power_engine_w` into it.\n",
+        "`truth.parquet` has a row every 20 ms. `power_engine_w` is the sum of all other powers "
+        "and of the rate of change of `kinetic_j` + `potential_j`.\n",
         table(TRUTH),
         "\n## Estimates\n",
         "An estimator gives `epoch_ns` and the other columns that it knows. The first column of "
         "`estimates.parquet` is the estimator's name, `estimator`.\n",
         table(ESTIMATES),
         "\n### Flags\n",
-        "`flags` is a sum of these numbers:\n",
+        "`flags` is a sum of these numbers. `slip-ekf` alone sets 8 to 128; most estimators set "
+        "the others.\n",
         "| flag | name | meaning |\n|---|---|---|",
         *(f"| {getattr(where, name)} | `{name}` | {text} |" for where, name, text in FLAGS),
     ]

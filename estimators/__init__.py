@@ -56,4 +56,4 @@ GROUPS: dict[str, tuple[str, ...]] = {
     ),
     "offline, of this project": ("slip-ekf-smooth",),
 }  # fmt: skip
-"""Where the estimators come from -> their names; every name stands in one group."""
+"""Origin of estimators -> their names; every name is in one group."""

@@ -2,11 +2,11 @@
 
 For a linear Gaussian model the posterior Cramer-Rao bound is the covariance of the Riccati
 equation: of the filter for a causal estimator, of the smoother for one that works offline. The
-model here is the best there can be of a motion that was driven: a vector autoregression fitted to
-the truth itself, so no estimator that has to guess at the motion can know it better.
+model here is a vector autoregression of the motion, fitted to the truth itself. No estimator knows
+a better autoregressive model of the motion.
 
-Every stream counts that estimators see: GNSS, accelerometer, gyro, counters, a camera's speeds, and
-the loads of the machine's bus as far as they tell the slip.
+All streams of the estimators count: GNSS, accelerometer, gyro, counters, a camera's speeds, and
+the loads of the machine's bus as far as slip depends on them.
 
 Errors that are constant over a run (radius, mounting angle, a camera's height, bias) are left out:
 score the bias apart.
@@ -36,18 +36,18 @@ ACCEL_BIAS_PSD = 1e-8
 GYRO_BIAS_PSD = 1e-12
 """The same of a gyro [rad2/s3]."""
 LOADS = ("draft_pin_n", "axle_torque_nm", "engine_load", "fuel_lph", "engine_radps", "hitch_m")
-"""What of the machine's bus tells the slip."""
+"""Columns of the machine's bus from which slip is estimated."""
 EXACT = 1e-10
 """Variance of a row whose noise is a state."""
 HIDDEN_PERIODS = 3.0
-"""GNSS is hidden where there is no speed of it for so many of its periods."""
+"""GNSS counts as hidden without a speed for this many of its periods."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Bound:
     """Standard deviations no unbiased estimator is better than.
 
-    NaN where the sensors tell nothing.
+    NaN where the sensors do not determine the quantity.
     """
 
     slip_causal: float
@@ -76,13 +76,16 @@ def bound(
     the slip bounds it too, and the two are joined as independent knowledge, 1 / (1/a + 1/b).
 
     Args:
-        setup: what the sensors are said to be.
-        streams: which sensors there are, how late and how often; their noise is the set-up's, the
-            accelerometer's what the truth shows, as no data sheet knows the engine.
-        truth: speed_mps, slip and v_y_rear_mps at a steady rate; with the angles of the wheels
-            against the body, where it has them, the wheels' errors under changing load.
-        window_s: the part of the run whose motion is looked at.
-        within_s: the part of that which the bound is of; all of it if None.
+        setup: noise of the sensors by their data sheets.
+        streams: which sensors there are, how late and how often. The noise of the accelerometer is
+            taken from the truth, because no data sheet has the engine's vibration.
+        truth: speed_mps, slip and v_y_rear_mps at a steady rate; the angles of the wheels against
+            the body, if any, give the wheels' errors under changing load.
+        window_s: first and last second of the motion that the model is fitted to.
+        within_s: first and last second of the bound; those of `window_s` if None.
+
+    Raises:
+        ValueError: fewer than 200 samples in the window.
     """
     time = truth["epoch_ns"] * 1e-9
     inside = (time >= window_s[0]) & (time <= window_s[1])
@@ -193,7 +196,7 @@ def _along(
     """The motion along the body, and what measures it.
 
     States: ORDER past increments of (v, s), v, s, past v, travels, accelerometer bias, skid, and
-    how far the slip that the loads tell is off.
+    the error of the slip that is estimated from the loads.
     """
     speed = np.asarray(part["speed_mps"], np.float64)
     late = {s: _late_steps(streams, s, step_s) for s in ("gnss", "imu", "camera")}
@@ -259,16 +262,16 @@ def _along(
 
 
 def _ago(now: int, before: int, steps: int) -> int:
-    """Index of the speed of so many steps ago; those of the past stand after `before`."""
+    """Index of the speed of `steps` steps ago; past speeds begin after `before`."""
     return before + steps if steps else now
 
 
 def _across(setup: Setup, streams: Streams, part: Table, step_s: float) -> _Model | None:
-    """The motion across the body, of GNSS, gyro and camera; None where they tell nothing of it.
+    """The motion across the body, by GNSS, gyro and camera; None where none of them measures it.
 
     States: past increments of v_y, how far the heading is off the gyro's integral, and the gyro's
     bias, v_y now and before, each as many steps back as GNSS and camera are late. Without a gyro
-    the heading of the past tells nothing of now: its walk is as wide as a circle.
+    a past heading says nothing of the present one: its walk is as wide as a circle.
     """
     if "v_y_rear_mps" not in part:
         return None
@@ -317,7 +320,7 @@ def _across(setup: Setup, streams: Streams, part: Table, step_s: float) -> _Mode
 
 
 def _seen(streams: Streams, column: str) -> int:
-    """How many frames of a camera tell a speed."""
+    """Number of a camera's frames with a speed."""
     if column not in streams.tables.get("camera", {}):
         return 0
     used = streams.column("camera", "used") == 1.0
@@ -333,7 +336,7 @@ def _camera_var(streams: Streams, column: str, step_s: float) -> float:
 
 
 def _off_by_load(streams: Streams, part: Table, slip: Array) -> Array:
-    """What the slip that the loads tell best, by least squares, is off; zeros without loads.
+    """Error of the least-squares estimate of slip from the loads; zeros without loads.
 
     u = c . (1, loads) fitted to the slip explains a share r2 of its variance. Then u / r2 is the
     slip and an error that is independent of it.

@@ -83,7 +83,7 @@ class WeightedFusion:
     """Kalman filter on x = [S, v_y], z = [S of the GNSS chain, v_y of the camera].
 
     Where the position is fixed the paper does not fuse and takes GNSS. Elsewhere its weight W
-    multiplies Q and R alike ("both"), which leaves every gain as it is; "sensor" divides R alone.
+    multiplies Q and R alike ("both"), which changes no gain; "sensor" divides R alone.
     """
 
     offline: ClassVar[bool] = True

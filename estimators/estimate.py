@@ -44,7 +44,7 @@ class State:
 
 
 def unknown(count: int) -> NDArray[Any]:
-    """Records of ROW that tell nothing yet. Shape (count,)."""
+    """Records of ROW with unknown values. Shape (count,)."""
     return np.repeat(_UNKNOWN, count)
 
 

@@ -93,7 +93,7 @@ class FourState:
         "bias_psd_m2ps5": "assumed",
         "accel_model_sd_mps2": "assumed",
     }
-    """What innovations may tell of, and the grade of what stands above."""
+    """Fields that `twin tune` finds from innovations -> grade of the values above."""
 
     def init(self, setup: Setup) -> State:
         """The state before the first sample."""
@@ -117,7 +117,7 @@ class FourState:
         return advance(_loop, state, chunk)
 
     def innovations(self, setup: Setup, streams: Streams) -> Table:
-        """What each measurement is off what the filter foretells, and its variance."""
+        """Innovation of each measurement, and its predicted variance."""
         return innovations(_innovations, self.init(setup), streams)
 
 

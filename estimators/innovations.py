@@ -1,4 +1,4 @@
-"""Innovations: what each measurement was off what a filter foretold.
+"""Innovations: each measurement minus the filter's prediction.
 
 A filter notes them in its memory where they are wanted. Its estimates do not change by it.
 """
@@ -20,7 +20,7 @@ from twin.compute.compiled import compiled, inlined
 from twin.streams import COLUMNS, Streams, Table
 
 MOST = 8
-"""Innovations that one sample makes at most: four wheels, each by a count and an acceleration."""
+"""Most innovations of one sample: four wheels, each by a count and an acceleration."""
 NOTES = np.dtype(
     [("wanted", "i8"), ("count", "i8"), ("innovation", "f8", MOST), ("variance", "f8", MOST)],
     align=True,

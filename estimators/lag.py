@@ -23,7 +23,7 @@ _GAP_STEPS = 2.5
 
 @dataclass(frozen=True, kw_only=True)
 class Lag:
-    """A lag of GNSS speed behind wheel speed; positive is late. NaN where the drive cannot tell."""
+    """A lag of GNSS speed behind wheel speed; positive is late. NaN where it is unknown."""
 
     lag_s: float
     low_s: float

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from twin.streams import COLUMNS, Setup
+from twin.streams import COLUMNS, Setup, WheelsSetup
 from twin.streams import WHEELS as WHEEL_NAMES
 
 GNSS, IMU, WHEELS, CAMERA = (tuple(COLUMNS).index(s) for s in ("gnss", "imu", "wheels", "camera"))
@@ -59,6 +59,7 @@ NOMINAL = np.dtype(
         ("track_front_m", "f8"),
         ("track_rear_m", "f8"),
         ("cg_x_m", "f8"),
+        ("radius_sd", "f8"),
         ("antenna_m", "f8", 3),
         ("velocity_sd_mps", "f8"),
         ("heading_sd_rad", "f8"),
@@ -103,11 +104,11 @@ SIGNALS = np.dtype(
     align=True,
 )
 """One sample as speeds, at the rear-axle centre, along (x) and across (y) the body in the ground
-plane. `v_x`, `v_sd` stand in GNSS samples and in a camera's, `horizontal`
-in GNSS samples: the antenna's speed, `accel` and, as measured, `accel_x`
-and `gyro_y` in the IMU's, `wheel_*` in the wheels', else NaN. `wheel_age_s`: the speed is that of
+plane. GNSS and camera samples have `v_x`, `v_sd`; GNSS samples have `horizontal`, the antenna's
+speed; IMU samples have `accel` and, as measured, `accel_x` and `gyro_y`; wheel samples have
+`wheel_*`; all else is NaN. `wheel_age_s`: the speed is that of
 this much before the epoch. `one_*_speed`: those wheels' speeds are one and the same number. The
-rest is held from the last sample that told it."""
+rest is held from the last sample that had it."""
 
 MEMORY = np.dtype(
     [
@@ -179,6 +180,7 @@ def nominal(setup: Setup) -> tuple[Any, ...]:
         setup.track_front_m,
         setup.track_rear_m,
         setup.cg_x_m,
+        wheels.radius_sd if wheels else WheelsSetup.radius_sd,
         gnss.lever_arm_m if gnss else (0.0, 0.0, 0.0),
         gnss.velocity_sd_mps if gnss else 0.05,
         gnss.heading_sd_rad if gnss else 0.0,

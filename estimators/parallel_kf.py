@@ -37,7 +37,7 @@ from twin.streams import Setup, Streams, Table
 WHEEL = 2
 """Channel of the driven wheels; 0 and 1 are the ground's, one per observer."""
 BIAS, FRONT_OFFSET, SIZE = 3, 4, 5
-"""Where b and c stand in a channel [speed, acceleration, jerk, b, c], and its size."""
+"""Indices of b and c in a channel [speed, acceleration, jerk, b, c], and its size."""
 STEP_S = 0.02
 """The paper's sampling period, to which its Q belongs."""
 
@@ -123,7 +123,7 @@ class ParallelKf:
         "bias_psd_m2ps5": "assumed",
         "front_offset_psd_m2ps3": "assumed",
     }
-    """What innovations may tell of, and the grade of what stands above."""
+    """Fields that `twin tune` finds from innovations -> grade of the values above."""
 
     def init(self, setup: Setup) -> State:
         """The state before the first sample."""
@@ -154,7 +154,7 @@ class ParallelKf:
         return advance(_loop, state, chunk)
 
     def innovations(self, setup: Setup, streams: Streams) -> Table:
-        """What each measurement is off what an observer foretells, and its variance."""
+        """Innovation of each measurement of each observer, and its predicted variance."""
         return innovations(_innovations, self.init(setup), streams)
 
 

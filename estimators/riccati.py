@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 STEPS = 4000
-"""After so many steps from `FIRST_VAR` a covariance counts as steady: a constant that the rows see
-only together with others goes on being learnt, as 1 over the steps."""
+"""Steps from `FIRST_VAR` after which a covariance counts as steady. The variance of a constant that
+is seen only together with others goes on falling, as 1 over the steps."""
 FIRST_VAR = 0.01
 """Variance of every state before the first step."""
 PAD_STEPS = 200
-"""So many steps from a gap all is steady again."""
+"""Steps after a gap in which the covariance becomes steady again."""
 
 
 @dataclass(frozen=True, kw_only=True)

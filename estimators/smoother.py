@@ -1,6 +1,6 @@
-"""The offline smoother: what all measurements, later ones too, tell of each moment.
+"""The offline smoother: the states at each instant from all measurements, later ones too.
 
-Not causal: the mark that causal filters of the same model are held against.
+Not causal: the best that a causal filter of the same model can approach.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ from twin.compute.compiled import compiled
 TICKS, SPEEDS, ACCELS, SD = 0, 4, 8, 12
 """Where each block begins in `layout.WHEEL_COLUMNS`."""
 GAP_STEPS, GAP_S = 10.0, 0.5
-"""Over a gap of more than so many steps and seconds a counter may have begun anew: no speed."""
+"""After a gap longer than this many steps and seconds, counters may have begun anew: no speed."""
 FASTEST_MPS = 30.0
 """A faster wheel is a counter that has begun anew; 100 km/h is 28 m/s."""
 DEFAULT_SD_MPS = 0.05
@@ -32,7 +32,7 @@ def read(
     The difference is the mean over the interval, so the speed of half an interval ago; each count
     is off by up to one, so the difference of two has sd (2 pi R / N) / sqrt(6). NaN in the first
     sample, in the first after a gap, and where the difference is none that a wheel makes: counters
-    begin anew when the ignition comes on. A source that gives speeds is taken as it is, at its
+    begin anew when the ignition comes on. Speeds that a source gives are taken unchanged, at their
     epoch.
     """
     for i in range(4):

@@ -1,4 +1,4 @@
-"""A reader of one's own: a data logger that writes one value a line, as `1.250 v_gnss 1.98`."""
+"""A reader of logs: a data logger that writes one value a line, as `1.250 v_gnss 1.98`."""
 
 from collections import defaultdict
 

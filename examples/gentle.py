@@ -1,4 +1,4 @@
-"""A controller of one's own: lifts the plough in proportion to the slip above its target."""
+"""A controller: lifts the plough in proportion to the slip above its target."""
 
 from twin.control.controllers import hitch_action
 

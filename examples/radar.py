@@ -1,4 +1,4 @@
-"""A sensor of one's own: a Doppler radar that looks at the ground and tells the speed over it."""
+"""A sensor: a Doppler radar that measures the speed over ground."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -13,7 +13,7 @@ class Radar(Sensor):
     rate_hz: Annotated[float, Range(1, 100)] = 10.0
     speed_sd_mps: Annotated[float, Range(0, 1)] = 0.03  # assumed
     latency_s: Annotated[float, Range(0, 1)] = 0.05  # assumed
-    scale_error: Annotated[float, Range(-0.2, 0.2)] = 0.01  # the true one: nobody is told it
+    scale_error: Annotated[float, Range(-0.2, 0.2)] = 0.01  # the true one: not in the set-up
 
     stream = "radar"
     columns = (Column("speed_mps", "m/s", "speed over ground along the tractor"),)

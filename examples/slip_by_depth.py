@@ -1,4 +1,4 @@
-"""Slip against draft at four depths on soil of one's own: `python slip_by_depth.py`.
+"""Slip against draft at four depths on your own soil: `python slip_by_depth.py`.
 
 Writes slip_by_depth.png.
 """

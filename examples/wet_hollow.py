@@ -5,7 +5,7 @@ from twin.sensors import Gnss, Outage, Sensors
 
 WET_HOLLOW = Scenario(
     name="wet-hollow",
-    about="60 m of tilled soil on a 3 degree cross-slope, 15 m of it slippery, 8 s without sky",
+    about="60 m of tilled soil on a 3 degree cross-slope, 15 m of it slippery, GNSS masked for 8 s",
     soil=Soil(preset="tilled", rocks_per_100m2=1.0),
     field=Field(
         cross_slope_deg=3.0,

@@ -1,7 +1,7 @@
 """Driving with one thing wrong at a time, and with all of it; what a good estimator answers.
 
 While ploughing the fault begins 40 s into the run, at full depth and steady slip; along the slope,
-for what a camera has, 3 s into its 9. What is expected stands in each scenario's words and is
+for what a camera has, 3 s into its 9. What is expected is in each scenario's `about` and is
 tested for `slip-ekf` and `sideslip-ekf`.
 """
 

@@ -36,7 +36,7 @@ class Trial:
     disturbed: Literal["gnss", "speeds", "truth"] = "gnss"
     """What it is added to: the GNSS speed, both measured ground speeds, or the motion itself."""
     noise: Literal["printed", "proportional"] = "printed"
-    """The sd that R1 and R2 print, or 5 % of each speed as it is (accelerations as printed)."""
+    """The sd printed as R1 and R2, or 5 % of each present speed (accelerations as printed)."""
     wheel_accel: bool = True
     """Whether the driven wheels have an accelerometer of their own, which the paper names no
     sensor for and a real machine lacks."""
@@ -48,7 +48,7 @@ class Trial:
         return {} if self.disturbance != "none" else {"disturbed": "disturbance lobe or cycle"}
 
     def measure(self) -> tuple[Setup, Streams, Table]:
-        """What the estimators are told, what they see, and the truth."""
+        """The estimators' set-up, the streams, and the truth."""
         signals = simulate(self)
         return setup(self), streams(signals), truth(signals)
 
@@ -62,7 +62,7 @@ DISTURBED = Trial(
 
 
 def setup(trial: Trial) -> Setup:
-    """What the estimators are told of a trial: the sd of the biases, where there are any."""
+    """Set-up of a trial for the estimators: it has the sd of the biases, where there are any."""
     assert SETUP.imu is not None
     return replace(SETUP, imu=replace(SETUP.imu, accel_bias_sd_mps2=trial.accel_bias_sd_mps2))
 

@@ -38,7 +38,7 @@ SETUP = Setup(
         gravity=False,
     ),
 )
-"""What the estimators are told; the paper's simulation has no geometry."""
+"""Set-up of the estimators; the paper's simulation has no geometry."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,6 +6,7 @@ line on stderr; 130 when interrupted. Nothing heavy is imported before the subco
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import sys
@@ -52,6 +53,10 @@ COMMANDS: dict[str, tuple[str, str]] = {
 COMPILING_S = 35
 """Time to compile the functions of a run where none is kept, on one core [s]."""
 
+COLLECTED_AFTER = (50_000, 20, 20)
+"""New objects after which garbage is looked for, and how much seldomer among older ones: importing
+and drawing make a million objects that stay, among which Python's own thresholds search in vain."""
+
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
@@ -62,6 +67,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: arguments after the program's name; those of the process when None.
     """
     args = list(sys.argv[1:] if argv is None else argv)
+    if argv is None:  # the process is ours
+        gc.set_threshold(*COLLECTED_AFTER)
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a terminal without ± gets ?, not a traceback
     try:

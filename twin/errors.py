@@ -29,7 +29,7 @@ class UnknownName(TwinError, LookupError):
 
 
 class BadInput(TwinError, ValueError):
-    """A file, a stream or an option that cannot be used as it is."""
+    """A file, a stream or an option that cannot be used."""
 
 
 class NoSpace(BadInput):

@@ -75,14 +75,14 @@ COLUMNS: dict[str, tuple[str, ...]] = {
 
 `quality` is NMEA GGA's (4 fixed, 5 float, 1 single, 0 none); `ticks_*` are cumulative int64;
 `speed_*_mps` are the theoretical speed w R of a source that gives no ticks (a single wheel-based
-vehicle speed stands in both driven wheels); `frame` is the number of a camera's frame, int64, under
-which `Streams.frames` has it. A camera with odometry on board gives, in place of frames, what each
-frame told: the velocity of its optical centre, forward and left in the ground plane, over the
-`interval_s` about the epoch, its covariance, `yaw_rad` the picture turned and `scale` its height
-grew by, and how far the ground's normal leans forward and left in the camera's axes; NaN where a
-frame was not `used`, for a `reason` (`estimators.odometry.lens.Reason`). Its mounting's yaw and
-tilt are in it. The order of the sensors is the order in which samples
-that arrive at the same instant are handed on.
+vehicle speed is in both driven wheels' columns); `frame` is the number of a camera's frame,
+int64, under which `Streams.frames` has it. A camera with odometry on board gives no frames. Its
+columns are the velocity of its optical centre, forward and left in the ground plane, over the
+`interval_s` about the epoch, its covariance, `yaw_rad` by which the camera turned, `scale` by which
+its height grew, and how far the ground's normal leans forward and left in the camera's axes. They
+are NaN where a frame was not `used`, for a `reason` (`estimators.odometry.lens.Reason`), and
+contain the yaw and tilt of its mounting. Samples that arrive at the same instant are processed in
+the order of the sensors here.
 """
 
 ESTIMATES = (
@@ -147,6 +147,8 @@ class WheelsSetup:
     """None for a source that gives speeds."""
     zero_slip: str = "unknown"
     """Where slip by these radii is zero, one of ZERO_SLIPS."""
+    radius_sd: float = 0.01
+    """sd of an axle's true radius about the nominal, over it: wear and pressure of the tyres."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -175,7 +177,7 @@ class CameraSetup:
 
 @dataclass(frozen=True, kw_only=True)
 class OwnSetup:
-    """What the maker of a sensor of one's own says of it, and of the columns of its stream."""
+    """Set-up of your own sensor, and the columns of its stream."""
 
     columns: Mapping[str, tuple[str, str]]
     """Column -> its unit and its meaning."""
@@ -188,7 +190,7 @@ class OwnSetup:
 
 @dataclass(frozen=True, kw_only=True)
 class Setup:
-    """All an estimator is told beside the streams. Nominal values only, never a true one."""
+    """All that an estimator gets beside the streams: nominal values only, never true ones."""
 
     machine: str
     wheelbase_m: float
@@ -205,7 +207,7 @@ class Setup:
     depth: DepthSetup | None = None
     camera: CameraSetup | None = None
     extra: Mapping[str, OwnSetup] = field(default_factory=dict)
-    """Sensors of one's own, by stream."""
+    """Your own sensors, by stream."""
 
     def to_json(self) -> str:
         """The set-up as JSON text."""
@@ -237,7 +239,7 @@ BLOCKS: dict[str, type] = {
 
 
 def own_setup(raw: Mapping[str, Mapping[str, object]]) -> OwnSetup:
-    """The block of a sensor of one's own from plain values. Raises TypeError if it is not one."""
+    """The set-up of your own sensor from plain values. Raises TypeError if it is not one."""
     known = {name: dict(block) for name, block in raw.items()}
     return _block(OwnSetup, {name: _tuples(block) for name, block in known.items()})
 
@@ -305,7 +307,7 @@ class Streams:
 
         Returns:
             sensor: index of each sample's sensor into COLUMNS, and from len(COLUMNS) on the
-                sensors of one's own in alphabetical order, shape (n,).
+                your own sensors in alphabetical order, shape (n,).
             row: its row in that sensor's table, shape (n,).
         """
         present = self._numbered()

@@ -71,7 +71,7 @@ class InvariantEkf:
         "skid_sd_mps": "assumed",
         "front_quick_sd": "assumed",
     }
-    """What innovations may tell of, and the grade of what stands above."""
+    """Fields that `twin tune` finds from innovations -> grade of the values above."""
 
     def init(self, setup: Setup) -> State:
         """The state before the first sample."""
@@ -96,7 +96,7 @@ class InvariantEkf:
         return State(reader, state.tuning, memory), table
 
     def innovations(self, setup: Setup, streams: Streams) -> Table:
-        """What each measurement is off what the filter foretells, and its variance."""
+        """Innovation of each measurement, and its predicted variance."""
         state = self.init(setup)
         reader, samples, raw = _read(state, streams)
         memory, kept = state.memory.copy(), np.zeros(MOST * len(samples), KEPT)

@@ -36,11 +36,11 @@ from estimators.wheel_speed import driven_mean, mean_variance, towed_mean
 from twin.compute.compiled import compiled
 
 WAIT_S = 1.0
-"""So long GNSS is waited for at the start."""
+"""Time for which the filter waits for GNSS at the start [s]."""
 SILENT_S = 0.5
 """An inertial unit that is silent for longer measures nothing."""
 COURSE_MPS, COURSE_SD_RAD = 0.5, 0.1
-"""Above this speed the course is the heading, with this sd, where nothing else tells it."""
+"""Above this speed the course counts as a heading with this sd, where no heading is measured."""
 TILT_SD_RAD, HEADING_SD_RAD = 0.05, 0.003
 """sd of the first tilt, and the least one of a heading: its baseline may be out of line."""
 FIRST_SD_MPS = 0.3
@@ -50,7 +50,7 @@ LEAN_SD = 1.0
 CHANGE_MPS2 = 1.0
 """sd of what an acceleration changes by while a sample is on its way."""
 ASTRAY_NIS, MOST_ASTRAY = 25.0, 20
-"""Headings further off than five sd, so many in a row, are the truth: the filter begins again."""
+"""After 20 headings in a row that are off by more than five sd, the filter begins again."""
 STEP_S = 0.1
 """No step of the covariance is longer."""
 

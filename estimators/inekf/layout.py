@@ -55,7 +55,7 @@ MEMORY = np.dtype(
     align=True,
 )
 """`v`: velocity of the inertial unit in the world; `u`: what the driven wheels turn faster by, and
-skid by, in the world; `placed`: 1 once GNSS has told where north is; `gyro`, `accel`: the newest
+skid by, in the world; `placed`: 1 once the heading is known; `gyro`, `accel`: the newest
 sample as measured, NaN where it has none; `rim_mps`: the driven wheels' newest speed;
 `heading_rad`: of the antennas' baseline, at `heading_ns`; `astray`: how many headings in a row
 were far off."""

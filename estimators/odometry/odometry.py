@@ -38,11 +38,11 @@ class State:
     shape: tuple[int, ...] = ()
     """Its own size."""
     turn_rad: Array | None
-    """Rotation of the body since then, as a vector in body axes; None where no gyros tell it."""
+    """Rotation of the body since then, as a vector in body axes; None without gyros."""
     moved_pxps: Array | None = None
     """Of the principal point, back from the last picture to the one before, per second."""
     tilt: Tilt = field(default_factory=Tilt)
-    """How far the camera looks aside."""
+    """Tilt of the camera's axis from the ground's normal."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,7 +180,7 @@ def _focal(state: State, picture: Picture) -> float:
 
 
 def _camera_turn(state: State) -> Array:
-    """Rotation of the camera since the last frame, camera axes; zero where nothing tells it.
+    """Rotation of the camera since the last frame, camera axes; zero where it is not known.
 
     The body turns about the ground's normal, which is not the optical axis of a tilted camera.
     """

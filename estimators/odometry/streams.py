@@ -47,7 +47,7 @@ class State:
     epoch_ns: int | None = None
     """The last frame; None before the first."""
     angle_rad: tuple[float, float, float] | None = None
-    """The integral at it; None where no gyros told it yet."""
+    """The integral of the gyros at that frame; None before their first sample."""
 
 
 def init(setup: Setup, method: str = "phase-ecc") -> State:

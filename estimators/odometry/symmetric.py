@@ -28,9 +28,9 @@ SMOOTHED_PX = 2.0
 EDGE_PX = 16
 """Pixels along the edges that are left out: their brightness is evened by what lies on one side."""
 EVERY_PX = 2
-"""Of smoothed pixels, one in so many along each axis tells the rest."""
+"""Step between the smoothed pixels that are used, along each axis [px]."""
 COARSE_PX, NEAR_PX = 4, 0.1
-"""One in so many until a step is shorter than that."""
+"""Coarser step [px] that is used until an iteration moves by less than the second number [px]."""
 STEPS, CONVERGED_PX = 10, 0.02
 """A step leaves less than a hundredth of what it was."""
 UNKNOWNS = 8

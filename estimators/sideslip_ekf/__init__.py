@@ -2,13 +2,13 @@
 
 One filter for level ground, slopes, furrows and turns, whatever sensors there are. Its state is the
 motion of the rear-axle centre in the ground plane, the body's attitude, and the errors of all
-sensors (`layout`); how it moves is rigid-body kinematics driven by the IMU (`motion`), what each
-source measures stands in `rows`.
+sensors (`layout`). The motion is rigid-body kinematics driven by the IMU (`motion`); `rows` has the
+measurement of each source.
 
-Two things tell a slide from antennas that stand askew. Tyres slide by an angle that grows with the
-force across them, which an accelerometer feels (`rows.slide`; cornering compliance, Wong 2008,
-section 1.4). And level ground, which is known by feeling the same there and back, slides nobody
-(`ground`). Where neither tells, the sd says so.
+Two things separate sideslip from mounting errors of antennas. Tyres slide by an angle that grows
+with the force across them, which an accelerometer feels (`rows.slide`; cornering compliance, Wong
+2008, section 1.4). On level ground, on which the IMU measures the same there and back, nothing
+slides (`ground`). Without either the stated sd stays large.
 """
 
 from __future__ import annotations
@@ -49,14 +49,14 @@ class SideslipEkf:
 
     Ground speed and slip are `slip-ekf`'s. The sideslip amounts are integrals, whose sd knows of
     the biases they share. Through a masking of GNSS the camera, the IMU and the law of sliding go
-    on alone; without a heading of GNSS the course, the gyro and that law tell it.
+    on alone; without a heading of GNSS, course, gyro and that law replace it.
 
     Values are from physics and from other seeds and logs than the tests'; their grade is "assumed"
     where no source is named.
     """
 
     free_psd: float = 0.05
-    """Density of the walk of a speed that no accelerometer tells [m2/s3]; it is learnt."""
+    """Density of the walk of a speed without an accelerometer [m2/s3]; it is learnt."""
     free_turn_psd: float = 1e-2
     """Density of the heading's walk without a gyro [rad2/s]."""
     gyro_scale_sd: float = 1e-3

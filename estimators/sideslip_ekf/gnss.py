@@ -30,7 +30,7 @@ MOVING_MPS = 0.5
 BASELINE_SD, COURSE_SD = 0.05, 0.2
 """sd of a first heading from the baseline and from the course [rad]."""
 DOUBT, LEAPS = 0.3, 3
-"""By such a share of its square an error of heading beyond the gate is that of what foretold it,
+"""By such a share of its square an error of heading beyond the gate is that of what predicted it,
 and wholly after so many in a row."""
 LEAST_UNREST, MOST_UNREST = 0.1, 1e3
 """Factor of the motion that nothing feels."""
@@ -94,7 +94,7 @@ def _take_velocity(
     east: float, north: float, up: float, sd: float, h: Array, nominal: Record, tuning: Record,
     memory: Record,
 ) -> None:  # fmt: skip
-    """Ahead, then to the left, in the horizontal axes of the heading foretold."""
+    """Ahead, then to the left, in the horizontal axes of the heading predicted."""
     x, p, imu = memory.x, memory.p, memory.imu
     lean = motion.across(x, memory)
     p_rate, q_rate = imu[P_RATE] - x[BIAS_P], imu[Q_RATE] - x[BIAS_Q]

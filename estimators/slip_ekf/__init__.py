@@ -62,8 +62,8 @@ class SlipEkf:
     slip_s: float = 2.0
     """Correlation time of slip about the expected one [s], as in a T7.165S's field log."""
     wheel_jerk_gain: float = 0.44
-    """What governed wheels lose of their speed over what the ground speed loses, before that is
-    learnt; 0.4 to 0.5 when ploughing in the twin, 1 where a throttle moves both."""
+    """Change of the governed wheels' speed over that of the ground speed, until it is learnt;
+    0.4 to 0.5 when ploughing in the twin, 1 where a throttle moves both."""
     wheel_jerk_share: float = 0.05
     """Density of the wheels' own jerk over that of the ground speed; more is learnt."""
     traction_psd: float = 3e-5
@@ -106,7 +106,7 @@ class SlipEkf:
         "gravity_psd": "assumed",
         "bias_psd": "assumed",
     }
-    """What innovations may tell of and the filter does not learn itself, with its grade."""
+    """Fields that the filter does not learn, for `twin tune` -> grade of the values above."""
 
     def init(self, setup: Setup) -> State:
         """The state before the first sample."""
@@ -141,7 +141,7 @@ class SlipEkf:
         return State(reader, known, state.tuning, memory), table, slow
 
     def innovations(self, setup: Setup, streams: Streams) -> Table:
-        """What each measurement, refused or not, is off what was foretold, and its variance."""
+        """Innovation of each measurement, refused or not, and its predicted variance."""
         state = self.init(setup)
         reader, samples = signals.read(state.reader, streams, USED)
         _, slow = held(state.held, streams)

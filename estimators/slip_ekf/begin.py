@@ -46,8 +46,6 @@ LEAST_ALONG, LEAST_REST = 0.1, 0.01
 most; and of the root beyond which front wheels do not tell the turning, at 45 degrees."""
 FIRST_GNSS_BIAS = 0.7
 """sd of the receiver error that lasts at the start, over the noise it states."""
-RADIUS_SD = 0.01
-"""sd of the driven wheels' mean radius error: tyre pressure, wear, load."""
 UNLOADED_SLIP_MEAN, UNLOADED_SLIP_SD = 0.007, 0.006
 """Slip with the plough out of the ground, and its sd from soil to soil: in the twin 0.3 to 0.6 % on
 firm soil by Brixius' and Bekker's laws, 1.8 % on soft soil."""
@@ -88,7 +86,7 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
     x, p = memory.x, memory.p
     memory.known = 1
     memory.rim_mps, memory.wheel_factor = rear, 1.0
-    memory.step_s, memory.gyro = 0.0, math.nan
+    memory.step_s, memory.gyro, memory.plough = 0.0, math.nan, 0
     for i in range(SIZE):
         x[i] = 0.0
         for j in range(SIZE):
@@ -103,7 +101,7 @@ def begin(signal: Record, age: float, nominal: Record, tuning: Record, memory: R
         (W_RATE, ACCEL_SD_MPS2),
         (BIAS, math.hypot(nominal.gravity * tuning.gravity_sd, bias_sd)),
         (WHEEL_BIAS, bias_sd),
-        (RADIUS, RADIUS_SD),
+        (RADIUS, nominal.radius_sd),
         (UNLOADED_SLIP, UNLOADED_SLIP_SD),
         (TOWED, tuning.scale_sd),
         (CAMERA, tuning.scale_sd),

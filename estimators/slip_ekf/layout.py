@@ -81,7 +81,7 @@ MEMORY = np.dtype(
         ("gyro", "f8"), ("pitch_rad", "f8"), ("pitch_rate", "f8"), ("pitch_accel", "f8"),
         ("pitch_held_rad", "f8"), ("travelled_m", "f8"),
         # slip, load and camera
-        ("raised", "i8"), ("lowered", "i8"), ("torque", "f8", 2),
+        ("plough", "i8"), ("lowered", "i8"), ("torque", "f8", 2),
         ("raised_s", "f8"), ("towed_before", "f8"), ("work_s", "f8"), ("work_slip", "f8"),
         ("y_var", "f8"), ("slip_s", "f8"),
         ("mean_load", "f8", HELD), ("line", "f8", HELD), ("line_p", "f8", (HELD, HELD)),
@@ -116,7 +116,7 @@ towed wheels; `slow_mps`, `gain_sums`: slow parts of both speeds, and sums over 
 `accel`: the last accelerations, newest first; `pitch_*`: how the body has turned nose down, and had
 at the last wheel sample.
 
-`raised`: 1 if the plough was when that was last known; `lowered`: 1 once it has been in the ground;
+`plough`: 1 raised, -1 in the ground, 0 not known yet; `lowered`: 1 once it has gone down;
 `torque`: the axle's mean torque, raised and at work; `raised_s`, `work_s`, `work_slip`: for how
 long, and the mean slip at work; `towed_before`: error of the towed wheels as the plough went down;
 `y_var`: variance of the traction about the expected one, learnt for `slip_s`; `mean_load`, `line`,

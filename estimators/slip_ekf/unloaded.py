@@ -32,22 +32,30 @@ from twin.compute.compiled import array_law
 
 SPREAD_SD, SPREAD_S = 0.004, 0.5
 """sd of the slip about `UNLOADED_SLIP` as the machine pitches, and for how long [s]."""
-UNLOADED_SLIP_PSD = 1e-6
-"""Density of the walk of `UNLOADED_SLIP` from place to place [1/s]: 0.3 points in 10 s."""
-MOVED, MOVED_SD = 0.005, 0.002
+UNLOADED_SLIP_PSD, RAISED_S = 4e-8, 20.0
+"""Density of the walk of `UNLOADED_SLIP` [1/s], and the time over which the torque without load is
+averaged [s]: sqrt(sd^2 2 tau / walk), so that slip and torque are those of the same ground."""
+CARRIED, CARRIED_SD = 0.009, 0.0035
+"""Error of the driven wheels' radius while they carry the plough, whose load their nominal radius
+does not know, and its sd [-]; 0.5 to 1.5 % for the twin's machines."""
+MOVED, MOVED_SD, REAR_SHARE = 0.006, 0.002, 0.4
 """Change of both axles' radii as the plough goes down, and its sd [-]: load moves from the rear
-wheels to the front ones; 0.1 to 1 % for the twin's machines."""
-REAR_OVER_FRONT = 0.9
-"""Change of the rear over that of the front radius then; 0.6 to 1.2 for the twin's machines."""
+wheels to the front ones, 0.1 to 1 % for the twin's machines; and by how much more the rear radius
+changes where the front one does."""
 SETTLE_SD_MPS2 = 0.05
 """sd by which gravity's part changes then, as the body settles another way."""
 NEW_SD, AGAIN_SD = 0.6, 0.15
 """sd of the traction that a plough calls for when it goes down for the first time, and again."""
+ELSEWHERE_SD = 0.003
+"""sd by which `UNLOADED_SLIP` is another one where the plough is raised again."""
 WORK_S = 5.0
-"""Time over which torque and slip are averaged, and after which they are used [s]."""
-OWN_TORQUE, LAW_SD = 0.6, 0.35
-"""Share of the torque without load that rolls the driven wheels themselves, and relative sd of what
-the law then gives."""
+"""Time over which torque and slip at work are averaged, and after which they are used [s]."""
+OWN_TORQUE, MOST_TORQUE = 0.04, 0.88
+"""Torque that rolls a driven wheel itself, and the most that the slip adds on firm soil, over load
+times radius (Brixius 1987)."""
+CARRIED_LOAD, LAW_SD, LAW_SHARE_SD = 1.2, 0.0012, 0.15
+"""Load of the driven wheels while they carry the plough, over that at work, 1.1 to 1.3 for the
+twin's machines; sd of what the law then gives, and its sd over that."""
 
 
 @array_law
@@ -62,20 +70,29 @@ def take_plough(slow: Array, dt: float, h: Array, memory: Record) -> None:
     """
     raised, torque = slow[PLOUGH], slow[TORQUE]
     steady = abs(memory.x[V]) > 0.5 and abs(memory.x[A]) < 0.3 and 0.0 < dt < 1.0
+    before = memory.plough
     if raised == 1.0:
-        if memory.raised == 0 and memory.lowered:
-            _move_load(-1.0, memory)
+        memory.plough = 1
         memory.flags |= RAISED
-        if memory.raised == 0 or memory.raised_s == 0.0:
+        if before != 1:
             memory.raised_s = memory.work_s = 0.0
-        memory.raised = 1
+        if before == -1:
+            _move_load(-1.0, memory)
+            memory.p[UNLOADED_SLIP, UNLOADED_SLIP] += ELSEWHERE_SD**2
+        elif before == 0:
+            memory.x[RADIUS] += CARRIED
+            memory.p[RADIUS, RADIUS] += CARRIED_SD**2
         if steady:
             _no_load(torque, dt, h, memory)
     elif raised == 0.0:
-        if memory.raised == 1:
+        memory.plough = -1
+        if before == 1:
             _move_load(1.0, memory)
             memory.p[TRACTION, TRACTION] += AGAIN_SD**2 if memory.lowered else NEW_SD**2
-            memory.raised, memory.lowered = 0, 1
+            memory.lowered = 1
+        elif before == 0:
+            memory.x[RADIUS] += CARRIED - MOVED
+            memory.p[RADIUS, RADIUS] += CARRIED_SD**2
         if steady and memory.lowered:
             _at_work(torque, dt, h, memory)
 
@@ -89,7 +106,7 @@ def _no_load(torque: float, dt: float, h: Array, memory: Record) -> None:
     take(memory, h, error, (SPREAD_SD * memory.rim_mps) ** 2 * 2.0 * SPREAD_S / dt)
     if math.isfinite(torque):
         memory.raised_s += dt
-        share = dt / min(memory.raised_s, WORK_S)
+        share = dt / min(memory.raised_s, RAISED_S)
         memory.torque[0] += share * (torque - memory.torque[0])
 
 
@@ -97,9 +114,10 @@ def _no_load(torque: float, dt: float, h: Array, memory: Record) -> None:
 def _at_work(torque: float, dt: float, h: Array, memory: Record) -> None:
     """Once a lowering, learn from the towed wheels how the radii changed, and from the torque.
 
-    By Brixius' gross traction, torque - own torque is proportional to y = 1 - exp(-7.5 slip), so
+    By Brixius' gross traction, torque / load = 0.88 y + 0.04 with y = 1 - exp(-7.5 slip), so
 
-        unloaded slip = slip(y (T_raised - T_own) / (T_work - T_own)),   T_own = 0.6 T_raised
+        own = 0.04 / (0.88 y + 0.04)
+        unloaded slip = slip(y (T_raised / (1.2 T_work) - own) / (1 - own))
     """
     gnss = memory.time_ns - memory.seen_ns[FROM_GNSS] < 1.5e9 and memory.refused_ns[FROM_GNSS] < 0
     if not gnss or memory.work_s > WORK_S:
@@ -115,18 +133,17 @@ def _at_work(torque: float, dt: float, h: Array, memory: Record) -> None:
         return
     if memory.time_ns - memory.seen_ns[FROM_TOWED] < 1e9:
         changed = min(max(memory.x[TOWED] - memory.towed_before, 0.0), 2.0 * MOVED)
-        found = REAR_OVER_FRONT * changed
-        memory.x[RADIUS] += 0.5 * (MOVED - found)  # as sure as what was thought before
-        memory.p[RADIUS, RADIUS] -= 0.5 * MOVED_SD**2
-    own = OWN_TORQUE * memory.torque[0]
+        memory.x[RADIUS] += REAR_SHARE * (MOVED - changed)
     if memory.torque[1] > 2.0 * memory.torque[0] > 0.0:
-        ratio = (memory.torque[0] - own) / (memory.torque[1] - own)
+        ratio = memory.torque[0] / (CARRIED_LOAD * memory.torque[1])
         zero = memory.x[UNLOADED_SLIP]
         for _ in range(3):  # the slip at work is less by as much as the radius is more
-            slip = max(memory.work_slip + zero - memory.x[UNLOADED_SLIP], 0.0)
-            zero, _ = slip_of(ratio * traction(slip)[0])
+            y, _ = traction(max(memory.work_slip + zero - memory.x[UNLOADED_SLIP], 0.0))
+            own = OWN_TORQUE / (MOST_TORQUE * y + OWN_TORQUE)
+            zero, _ = slip_of(y * max(ratio - own, 0.0) / (1.0 - own))
         rows.one(NUMBER[UNLOADED_SLIP], h)
-        take(memory, h, zero - memory.x[UNLOADED_SLIP], (LAW_SD * zero) ** 2 + 1e-8)
+        law_var = LAW_SD**2 + (LAW_SHARE_SD * zero) ** 2
+        take(memory, h, zero - memory.x[UNLOADED_SLIP], law_var)
 
 
 @array_law

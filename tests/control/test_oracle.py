@@ -38,9 +38,13 @@ def test_a_search_finds_no_worse_than_it_begins_with_and_its_plan_repeats(monkey
     episodes = kind(6, observation="truth", nthread=1).episodes
     on = oracle.held_out(episodes, 0, 2)
     _, knots = oracle.reached(episodes, on * 3, baselines["pi"])
-    search = oracle.Search((0.2, 0.2), 3, 2, ((1, 2, 1.0), (3, 1, 0.5)))
+    search = oracle.Search((0.2, 0.2), 3, 2, 1, ((1, 2, 1.0), (3, 1, 0.5)))
     first = oracle.reached(episodes, on * 3, Plans(knots.round(oracle.DECIMALS)))[0][:2]
-    most, best = oracle.plan(episodes, on, knots[:2], search)
+    with_pi, _ = oracle.reached(episodes, on * 3, baselines["pi"])
+    own, did = oracle.tuned(episodes, on, baselines["pi"], search, np.random.default_rng(0))
+    assert np.all(own >= with_pi[:2])
+    assert did.shape == knots[:2].shape
+    most, best = oracle.plan(episodes, on, knots[:2], search, np.random.default_rng(0))
     assert np.all(most >= first)
     again, _ = oracle.reached(episodes, on * 3, Plans(np.tile(best, (3, 1, 1))))
     np.testing.assert_array_equal(again[:2], most)

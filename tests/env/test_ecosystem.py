@@ -34,6 +34,14 @@ def test_gymnasium_s_check_passes(name):
 
 
 @pytest.mark.parametrize("name", IDS)
+def test_the_check_of_stable_baselines3_passes(name):
+    pytest.importorskip("stable_baselines3", reason="stable-baselines3 is not installed")
+    from stable_baselines3.common.env_checker import check_env as their_check
+
+    their_check(made(name).unwrapped, skip_render_check=True)
+
+
+@pytest.mark.parametrize("name", IDS)
 def test_sync_async_and_native_vectors_agree_to_the_bit(name):
     """Four steps, an autoreset in the next one, and on."""
     native = gymnasium.make_vec(

@@ -44,7 +44,15 @@ def test_the_reward_is_the_sum_of_its_terms_and_the_costs_are_within_their_range
         assert value == pytest.approx(sum(terms.values()), abs=1e-12)
         for name in ("depth", "slip", "lugging"):
             assert 0.0 <= info[f"cost_{name}"] <= 1.0
-            assert terms[name] == -reward.COST_PRICE * info[f"cost_{name}"]
+            assert terms[name] == reward.kept(info[f"cost_{name}"])
+
+
+def test_a_tractor_on_spinning_wheels_earns_no_less_than_a_stalled_one(env):
+    """With 23 L/h, as this one burns with spinning wheels, the engine above its peak torque."""
+    costs = reward.working_costs(-0.25, 0.95, 1640.0, 1450.0, 1.0)
+    reference_haph = 0.36 * env.episodes.width_m * reward.REFERENCE_MPS
+    fuel = reward.FUEL_HA_PER_L * 23.0 / reference_haph
+    assert sum(reward.kept(cost) for cost in costs) - fuel > 0.0
 
 
 def test_costs_are_none_at_their_limits_and_whole_beyond_them():

@@ -6,11 +6,25 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from twin.env.plough import PloughEnv
-from twin.env.vector import PloughVectorEnv
+from twin.env.plough_field import PloughFieldEnv
+from twin.env.slip_line import SlipLineEnv
+from twin.env.vector import (
+    PloughFieldVectorEnv,
+    PloughVectorEnv,
+    SlipLineVectorEnv,
+    WheelSlipVectorEnv,
+)
 from twin.env.wheel_slip import WheelSlipEnv
 from twin.errors import BadInput, OutOfRange, UnknownName
 
 SOFT = {"soil.preset": "soft", "field.cross_slope_deg": 0.0}
+LEVEL = {"soil.preset": "firm", "field.cross_slope_deg": 0.0}
+KINDS = [
+    (PloughEnv, PloughVectorEnv),
+    (WheelSlipEnv, WheelSlipVectorEnv),
+    (PloughFieldEnv, PloughFieldVectorEnv),
+    (SlipLineEnv, SlipLineVectorEnv),
+]
 STILL = np.zeros(2, dtype=np.float32)
 
 
@@ -40,23 +54,24 @@ def test_a_schedule_counts_the_episodes_and_draws_from_the_seed():
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
-def test_grounds_of_each_tractor_stay_over_autoreset(mode):
-    grounds = [SOFT, steeper, {}]
-    env = PloughVectorEnv(
-        3, 4, observation="truth", autoreset_mode=mode, grounds=grounds, nthread=1
-    )
+@pytest.mark.parametrize(("single", "many"), KINDS)
+def test_grounds_of_each_tractor_stay_over_autoreset(single, many, mode):
+    """And each tractor's seed draws what the single environment with that seed draws."""
+    grounds = [LEVEL, steeper, {}]
+    env = many(3, 4, observation="truth", autoreset_mode=mode, grounds=grounds, nthread=1)
     _, infos = env.reset(seed=1)
-    singles = [PloughEnv("truth", grounds=each) for each in grounds]
+    singles = [single("truth", grounds=each) for each in grounds]
     firsts = [each.reset(seed=1 + i)[1] for i, each in enumerate(singles)]
     assert infos["soil.preset"].tolist() == [info["soil.preset"] for info in firsts]
     ends = 0
     for _ in range(12):
-        _, _, _, late, infos = env.step(np.zeros((3, 2), dtype=np.float32))
+        _, _, _, late, infos = env.step(np.zeros(env.action_space.shape, dtype=np.float32))
         ends += int(late[0])
     seconds = [[each.reset()[1] for _ in range(ends)][-1] for each in singles]
     assert ends >= 2
-    for name in ("soil.preset", "field.grade_deg", "soil.cone_index_kpa"):
+    for name in ("soil.preset", "field.grade_deg", "soil.cone_index_kpa", "field.origin_m"):
         assert infos[name].tolist() == [info[name] for info in seconds]
+    assert env.np_random_seed == (1, 2, 3)
 
 
 def test_vector_environments_report_their_seeds():

@@ -35,13 +35,13 @@ def test_gymnasium_finds_nothing_to_say():
     check_env(made.unwrapped, skip_render_check=True)
 
 
-def test_the_reward_is_the_sum_of_its_terms_and_costs_lower_it(env):
+def test_the_reward_is_the_sum_of_its_terms_and_limits_kept_are_earned(env):
     for _, value, _, _, info in driven(env, [0.6, 0.4], 200):
         terms = {name: info[f"reward_{name}"] for name in reward.TRACTION}
         assert value == pytest.approx(sum(terms.values()), abs=1e-12)
         for name in ("line", "slip"):
             assert 0.0 <= info[f"cost_{name}"] <= 1.0
-            assert terms[name] == -reward.COST_PRICE * info[f"cost_{name}"]
+            assert terms[name] == reward.kept(info[f"cost_{name}"])
 
 
 def test_costs_are_none_at_their_limits_and_whole_beyond_them():

@@ -11,10 +11,17 @@ from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode
 
 from twin.env.observations import MODES
-from twin.env.vector import PloughVectorEnv, WheelSlipVectorEnv
+from twin.env.reward import LIMIT_PRICE
+from twin.env.vector import (
+    PloughFieldVectorEnv,
+    PloughVectorEnv,
+    SlipLineVectorEnv,
+    WheelSlipVectorEnv,
+)
 from twin.errors import BadInput, TwinError
 
 COUNT = 4
+VECTORS = (PloughVectorEnv, WheelSlipVectorEnv, PloughFieldVectorEnv, SlipLineVectorEnv)
 STALLS = {"soil.preset": "soft", "soil.friction": 0.1, "soil.cone_index_kpa": 200.0}
 
 
@@ -185,19 +192,31 @@ EPISODES = int(os.environ.get("TWIN_RANDOM_EPISODES", "160"))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", [PloughVectorEnv, WheelSlipVectorEnv])
+@pytest.mark.parametrize("kind", VECTORS)
 def test_random_episodes_over_the_whole_action_range_stay_finite(kind):
-    """Episodes of 2 s, a new random action every 0.2 s, corners as often as the inside."""
+    """Episodes of 2 s, a new random action every 0.2 s, corners as often as the inside.
+
+    The reward is the sum of its terms, and what is earned at a limit is what its cost leaves.
+    """
     many = kind(64, observation="truth", max_episode_steps=100)
-    generator = np.random.default_rng(0)
+    generator, size = np.random.default_rng(0), many.single_action_space.shape
+    terms = many.episodes.rewarded
     many.reset(seed=0)
-    ended = 0
+    ended, going = 0, np.ones(64, dtype=bool)
     while ended < EPISODES:
-        inside = generator.uniform(-1.0, 1.0, (64, 2))
+        inside = generator.uniform(-1.0, 1.0, (64, *size))
         corner = generator.random((64, 1)) < 0.5
         action = np.where(corner, np.sign(inside), inside).astype(np.float32)
         for _ in range(10):
-            seen, values, stalls, cuts, _ = many.step(action)
+            seen, values, stalls, cuts, infos = many.step(action)
             assert np.isfinite(seen).all()
             assert np.isfinite(values).all()
-            ended += int((stalls | cuts).sum())
+            np.testing.assert_allclose(values, sum(infos[term] for term in terms), atol=1e-12)
+            for cost in (name for name in many.episodes.derived if name.startswith("cost_")):
+                assert ((infos[cost] >= 0.0) & (infos[cost] <= 1.0)).all()
+                earned = infos[cost.replace("cost", "reward", 1)]
+                np.testing.assert_array_equal(
+                    earned[going], LIMIT_PRICE * (1.0 - infos[cost][going])
+                )
+            going = ~(stalls | cuts)  # the others begin anew in the next step and earn nothing
+            ended += int((~going).sum())

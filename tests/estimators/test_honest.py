@@ -11,7 +11,6 @@ from estimators.four_state_printed import FourStatePrinted
 from estimators.parallel_kf import KF_TUNED, KF_Z2
 from estimators.ratio import RATIO, RATIO_FRONT
 from estimators.slip_ekf import SLIP_EKF
-from estimators.slip_ekf.begin import RADIUS_SD
 from twin.streams import ImuSetup, Streams
 from twin.testing import drives as synthetic
 
@@ -208,7 +207,7 @@ def test_slip_ekf():
         v, a, w, _ = slip_motion(rng, estimator, n).T
         leak = np.hypot(estimator.gravity_sd, 0.1) * rng.standard_normal()
         leak = leak + np.cumsum(np.sqrt(estimator.gravity_psd * 0.02) * rng.standard_normal(n))
-        counted = w * (1.0 + RADIUS_SD * rng.standard_normal())
+        counted = w * (1.0 + SETUP.wheels.radius_sd * rng.standard_normal())
         front = v * (1.0 + estimator.scale_sd * rng.standard_normal())
         stream = streams(rng, v, a + leak, np.array([counted, counted]).T, 0.02, front=front)
         state, table = estimator.run(estimator.init(SETUP), stream)

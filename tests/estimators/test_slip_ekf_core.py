@@ -32,7 +32,14 @@ from estimators.slip_ekf.layout import (
 from estimators.slip_ekf.load import centred, learn_line
 from estimators.slip_ekf.report import _conflict
 from estimators.slip_ekf.smooth import SLIP_EKF_SMOOTH
-from estimators.slip_ekf.unloaded import MOVED, MOVED_SD, take_plough
+from estimators.slip_ekf.unloaded import (
+    CARRIED,
+    CARRIED_SD,
+    MOVED,
+    MOVED_SD,
+    REAR_SHARE,
+    take_plough,
+)
 from estimators.slip_ekf.wheels import yawing
 from twin.streams import Streams
 from twin.testing.drives import Drive, seconds, setup, stamps, streams, times
@@ -531,7 +538,9 @@ def test_towed_wheels_that_change_less_tell_that_the_driven_ones_do(towed):
         memory["x"][A] = 1.0 if raised else 0.0
         take_plough(slow, 0.02, h, memory)
         memory["x"][TOWED] = 0.0
-    assert memory["x"][RADIUS] == pytest.approx(-0.5 * MOVED if towed else -MOVED)
+    assert memory["x"][RADIUS] == pytest.approx(
+        CARRIED - MOVED + (REAR_SHARE * MOVED if towed else 0.0)
+    )
 
 
 def test_the_plough_s_load_changes_both_radii_and_changes_them_back():
@@ -542,9 +551,10 @@ def test_the_plough_s_load_changes_both_radii_and_changes_them_back():
         slow[PLOUGH] = raised
         take_plough(slow, 0.02, h, memory)
         found.append(memory["x"][[RADIUS, TOWED]].copy())
-    assert found[1] == pytest.approx([-MOVED, MOVED])
+    assert found[0] == pytest.approx([CARRIED, 0.0])
+    assert found[1] == pytest.approx([CARRIED - MOVED, MOVED])
     assert found[2] == pytest.approx(found[0])
-    assert memory["p"][RADIUS, RADIUS] == pytest.approx(1e-3 + 2.0 * MOVED_SD**2)
+    assert memory["p"][RADIUS, RADIUS] == pytest.approx(1e-3 + CARRIED_SD**2 + 2.0 * MOVED_SD**2)
 
 
 @pytest.mark.parametrize("slip", [-0.6, -0.1, 0.0, 0.15, 0.39, 0.41, 0.8])

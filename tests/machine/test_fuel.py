@@ -13,7 +13,7 @@ NUMBERS = {
     "engine.kind": 0.0, "engine.rated_rpm": 2200.0, "engine.rated_torque_nm": 1e5 / RATED_RADPS,
     "engine.pto_efficiency": 0.9,
 }  # fmt: skip
-"""100 kW at the crank, 90 kW at the take-off."""
+"""100 kW at the crank, 90 kW of PTO power."""
 LOADS_W = np.linspace(1e3, 1e5, 40)
 
 

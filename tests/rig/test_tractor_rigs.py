@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 from twin.errors import BadInput, OutOfRange
 from twin.machine.fuel import fuel_lph
-from twin.rig.drawbar import drawbar, expected_pull_n
+from twin.rig.drawbar import drawbar, expected_pull_n, pulled
 from twin.rig.gears import gears
 from twin.rig.park import park
 from twin.rig.slope import NoBalance, expected, slope
@@ -169,6 +169,10 @@ def test_on_ground_too_slippery_it_slides():
 def test_what_cannot_be_tested_is_refused():
     with pytest.raises(OutOfRange, match="hitch_m"):
         drawbar(Soil(), hitch_m=5.0)
+    with pytest.raises(OutOfRange, match="hitch_m"):
+        pulled(Soil(), [1e3], hitch_m=5.0)
+    with pytest.raises(BadInput, match="pulls_n"):
+        pulled(Soil(), [])
     with pytest.raises(OutOfRange, match="step_n"):
         drawbar(Soil(), step_n=1.0)
     with pytest.raises(OutOfRange, match="speeds_kmh"):
@@ -177,3 +181,8 @@ def test_what_cannot_be_tested_is_refused():
         slope(Soil(), [60.0])
     with pytest.raises(BadInput, match="lengths"):
         park(Soil(), cross_slope_deg=[1.0, 2.0], grade_deg=[1.0, 2.0, 3.0])
+    for nothing in (lambda: gears(Soil(), speeds_kmh=()), lambda: slope(Soil(), [])):
+        with pytest.raises(BadInput, match="is empty"):
+            nothing()
+    with pytest.raises(BadInput, match="no slopes"):
+        park(Soil(), cross_slope_deg=[])

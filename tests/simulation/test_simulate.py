@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.simulation.rigs import BARE, LEVEL_PLOUGHING, PLOUGHING, driven, field, replace, soiled
-from twin.scenario import Course, Drive, Plough
+from twin.scenario import Course, Drive, Driver, Field, Plough, Scenario
 from twin.simulation.build import build
 from twin.simulation.columns import Recorder
 from twin.simulation.guard import Diverged
@@ -106,3 +106,20 @@ def test_the_recorder_counts_epochs_across_chunks():
     first = next(iter(simulate(machine, chunk_decisions=2)))
     assert len(first) == 20
     assert recorder.time_s == 0.0
+
+
+@pytest.mark.slow
+def test_the_line_is_held_on_a_fast_road_with_the_plough_up():
+    """A raised plough takes load off the front wheels; a short look ahead then swings wider."""
+    road = Scenario(
+        name="test-road", plough=Plough(depth_m=0.22), field=Field(roughness_class="C"),
+        course=Course(passes=2, length_m=200.0, road_m=300.0),
+        driver=Driver(shifts=True, road_kmh=30.0),
+    )  # fmt: skip
+    chunks = itertools.takewhile(lambda c: c.epoch_ns[-1] < 40e9, simulate(build(road)))
+    place, velocity = (
+        np.concatenate(each)
+        for each in zip(*((c["position_w"], c["velocity_w"]) for c in chunks), strict=True)
+    )
+    assert abs(velocity[:, 0]).max() > 7.0
+    assert abs(place[:, 1]).max() < 0.15

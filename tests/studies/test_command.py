@@ -45,7 +45,7 @@ def test_sweeps_are_read_as_the_fields_are():
         (["ima-pkf", "--sweep", "track"], "is not FIELD=V1,V2"),
         (["ima-pkf", "--sweep", "trak=rough"], "did you mean 'track'"),
         (["ima-pkf", "--sweep", "track=odd"], "odd"),
-        (["ima-pkf", "--sweep", "seed=3"], "--seeds takes the seeds"),
+        (["ima-pkf", "--sweep", "seed=3"], "seed cannot be swept: `--seeds` takes the seeds"),
         (["plough-25cm", "--sweep", "soil.friction=high"], "is not None or a number"),
         (["plough-25cm", "--sweep", "soil.friction=0.6,9"], "soil.friction = 9 is outside"),
         (["road-grass-5kmh", "--sweep", "plough.depth_m=0.2"], "cannot be set"),

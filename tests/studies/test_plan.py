@@ -2,7 +2,8 @@
 
 import pytest
 
-from twin.errors import UnknownName
+import twin
+from twin.errors import BadInput, UnknownName
 from twin.studies import plan
 
 SWEEPS = {"track": ("medium", "rough"), "accel_bias_sd_mps2": (0.0, 0.1, 0.1)}
@@ -52,3 +53,13 @@ def test_what_cannot_be_run_is_refused_before_anything_is():
         plan(["ima-pkf"], [0], ["ratoi"], {})
     with pytest.raises(UnknownName, match="scenario"):
         plan(["ima-pkf", "ima-pfk"], [0], ["ratio"], {})
+    with pytest.raises(BadInput, match="seed cannot be swept"):
+        plan(["ima-pkf"], [0], ["ratio"], {"seed": (1, 2)})
+    with pytest.raises(BadInput, match="name cannot be swept"):
+        plan(["ima-pkf"], [0], ["ratio"], {"name": ("a", "b")})
+
+
+def test_a_comparison_with_an_estimator_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(BadInput, match="against = pkf"):
+        twin.study(["ima-pkf"], ["ratio"], out=tmp_path / "study", against="pkf")
+    assert not (tmp_path / "study").exists()

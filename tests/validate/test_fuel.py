@@ -10,7 +10,7 @@ from twin.validate.fuel import half_load
 
 
 def test_half_load_is_the_ratio_of_the_law_s_two_speeds():
-    """1 / (1 - 32 (0.00877 - 0.0045 / 2)); the power at the take-off cancels."""
+    """1 / (1 - 32 (0.00877 - 0.0045 / 2)); the PTO power cancels."""
     (row,) = half_load()
     assert row.row["ours"] == pytest.approx(1.0 / (1.0 - 32.0 * (0.00877 - 0.00225)))
     assert row.passed

@@ -199,7 +199,7 @@ def test_each_pass_leaves_its_furrow_for_the_next() -> None:
 
 def test_slices_are_thrown_into_the_furrow_and_only_where_it_ploughs() -> None:
     truth = truth_table(duration_s=20.0)
-    rows, centre, _, _ = slices(truth, RUN.scenario, Ground(), FOUR)
+    rows, centre, _, _ = slices(truth, Ground(), FOUR)
     assert np.all(truth["depth_m"][rows] > 0.05)
     assert np.all(truth["epoch_ns"][rows] > 5e9)
     aside = centre[:, :, 1] - truth["north_m"][rows][:, None]
@@ -209,7 +209,7 @@ def test_slices_are_thrown_into_the_furrow_and_only_where_it_ploughs() -> None:
 
 def test_slices_lean_away_from_the_land_and_stand_on_the_sole() -> None:
     truth = truth_table(duration_s=20.0)
-    _, centre, half_m, xyzw = slices(truth, RUN.scenario, Ground(), FOUR)
+    _, centre, half_m, xyzw = slices(truth, Ground(), FOUR)
     turn = Rotation.from_quat(xyzw[-1, 0]).as_matrix()
     up = turn[2, 1] / turn[1, 1]  # of the slice's width, to the left
     assert np.arctan(up) == pytest.approx(-np.arcsin(0.25 / 0.35))  # rises to the right
@@ -251,7 +251,7 @@ def test_slices_are_as_many_and_as_wide_as_the_bodies(count: int, width_m: float
         FOUR, ahead_m=tuple(-1.0 - 0.9 * i for i in range(count)), left_m=tuple(left_m),
         width_m=width_m,
     )  # fmt: skip
-    _, centre, half_m, _ = slices(truth, RUN.scenario, Ground(), own)
+    _, centre, half_m, _ = slices(truth, Ground(), own)
     aside = centre[:, :, 1] - truth["north_m"][truth["depth_m"] > 0.05][:, None]
     assert centre.shape[1] == half_m.shape[1] == count
     np.testing.assert_allclose(aside[:, 0], -0.4 - 0.5, atol=1e-9)  # thrown by one furrow

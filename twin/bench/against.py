@@ -64,6 +64,7 @@ class Checkout:
             # pictures' fonts are listed once, or they would be the greater part of a short run
             fonts = {"MPLCONFIGDIR": self.cache.parent / "fonts"}
             settings = os.environ | {k: str(v) for k, v in (paths | fonts).items()}
+            settings.pop("PYTHONDONTWRITEBYTECODE", None)  # or each command compiles all modules
             process = subprocess.Popen(
                 [sys.executable, *command], cwd=place, env=settings, text=True, stdout=said,
                 stderr=subprocess.STDOUT,

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from twin.calibration.known import FUEL_L_PER_KWH, GRADE_SHARES, KNOWN
+from twin.calibration.known import FUEL_L_PER_KWH, GRADE_SHARES, KNOWN, OF_LAW
 from twin.errors import BadInput
+from twin.physics.law_reads import fields_read
 from twin.scenario import Soil
 from twin.scenario.fields import replaced
 from twin.vehicle import Machine
@@ -16,8 +17,10 @@ from twin.vehicle.machine import Numeric
 from twin.vehicle.numerics import machine_facts
 
 Values = Mapping[str, float]
-OWN_OF_SOIL = ("friction", "cone_index_kpa", "draft_scale")
-"""What of a soil is a field of it; the rest stands in its preset."""
+OWN_OF_SOIL = (
+    "friction", "cone_index_kpa", "draft_scale", "k_phi_kn_per_m_n2", "shear_modulus_m",
+)  # fmt: skip
+"""Parameters that are fields of a soil; the others are in its preset."""
 
 
 def machine_with(machine: Machine, values: Values) -> Machine:
@@ -52,6 +55,19 @@ def soil_with(soil: Soil, values: Values) -> Soil:
     return replace(kept, **fields, numbers=replace(kept.numbers, **rest))
 
 
+def reads(soil: Soil, name: str) -> bool:
+    """Whether a parameter of a soil changes anything under its law; others always do."""
+    if not name.startswith("soil."):
+        return True
+    own = name.removeprefix("soil.")
+    deformable = soil.resolved.deformable
+    if own not in OF_LAW["brixius"] and (deformable is None or not hasattr(deformable, own)):
+        return False
+    if soil.law in OF_LAW:
+        return own in OF_LAW[soil.law]
+    return own == "draft_scale" or own in fields_read(soil.law)
+
+
 def can_fit(machine: Machine, name: str) -> bool:
     """Whether a machine's file can hold a parameter."""
     known = KNOWN[name]
@@ -67,7 +83,8 @@ def believed(machine: Machine, soil: Soil, name: str) -> tuple[float, float, str
     known = KNOWN[name]
     if name.startswith("soil."):
         own = name.removeprefix("soil.")
-        return float(getattr(soil.resolved, own)), known.spread, "assumed"
+        found = soil.resolved if hasattr(soil.resolved, own) else soil.resolved.deformable
+        return float(getattr(found, own)), known.spread, "assumed"
     if name == "engine.fuel_l_per_kwh" and machine.mjcf is not None:
         return FUEL_L_PER_KWH, known.spread, "assumed"
     if machine.mjcf is not None:

@@ -5,34 +5,31 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.calibration import gears as found_gears
-from twin.calibration.applied import machine_with, soil_with
-from twin.calibration.by_rows import STEADY_NAMES
+from twin.calibration.applied import machine_with
 from twin.calibration.evidence import evidence
-from twin.calibration.fitting import Fit, fit
+from twin.calibration.fitting import Fit, beside, fit
 from twin.calibration.gears import Gear
 from twin.calibration.holdout import Holdout, held_out
 from twin.calibration.known import known
+from twin.calibration.noise import estimated
 from twin.calibration.result import Calibration
 from twin.calibration.segments import RULE as SEGMENT_RULE
 from twin.calibration.segments import Segment, segments
-from twin.calibration.steady import Steady
 from twin.calibration.steady_rows import steady_rows
 from twin.calibration.task import (
-    CARRIED_SHARE,
     Task,
     fitted_names,
     gears_of,
     held_back,
-    mass_kg,
     peak_torque_nm,
     prior_of,
     result_of,
-    torque_of,
 )
 from twin.errors import BadInput
 from twin.scenario.scenario import usual_plough
@@ -40,19 +37,29 @@ from twin.vehicle import files
 from twin.vehicle.derive import RPM
 from twin.vehicle.numerics import machine_facts
 
+if TYPE_CHECKING:
+    from twin.calibration.rollouts import Rollouts
+
 Array = NDArray[np.float64]
 
 ROLLOUT_NAMES = (
     "rear.free_rolling_radius_m", "front.free_rolling_radius_m", "transmission.efficiency",
-    "engine.no_load_rpm", "engine.fuel_l_per_kwh", "soil.cone_index_kpa", "soil.friction",
+    "engine.no_load_rpm", "engine.fuel_l_per_kwh", "soil.cone_index_kpa",
+    "soil.k_phi_kn_per_m_n2", "soil.shear_modulus_m", "soil.friction",
     "soil.draft_scale", "soil.mobility_resistance", "log.set_rpm", "log.reference_torque_nm",
     "log.wheel_scale",
 )  # fmt: skip
-"""What such a log may tell of."""
+"""Parameters that such a log may determine."""
+LOADS = (0.4, 0.8, 1.2, 1.6)
+"""Shares of the draft that was found, at which slip is foretold over force."""
 
 
 def by_rollouts(task: Task) -> Calibration:
-    """A short log at a fast rate: the machine itself, rolled out."""
+    """A short log at a fast rate: the machine itself, rolled out.
+
+    Raises:
+        BadInput: the log cannot be fitted.
+    """
     from twin.calibration.rollouts import Condition, Drawn, Rollouts
     from twin.calibration.rollouts import Gear as Driven
 
@@ -107,7 +114,15 @@ def by_rollouts(task: Task) -> Calibration:
     model = Rollouts(drawn, tuple(names), proof, conditions, (front_m, rear_m), task.jobs, fixed)
     result = fit(model, prior, seed=task.seed, starts=task.starts, told=task.told,
                  remember=task.memory)  # fmt: skip
-    holdout = _row_holdout(task, result, chosen)
+    scale = result.values.get("log.wheel_scale", 1.0)
+    if turned:
+        scale = (
+            machine_facts(machine_with(task.machine, result.values)).numbers[
+                "tyre_rear.free_rolling_radius_m"
+            ]
+            / rear_m
+        )
+    holdout = _slip_ahead(task, model, result, chosen, scale)
     if holdout is None:
         notes.append("the part held back has no rows steady enough to be foretold one by one")
     return result_of(task, result, gears, proof.channels, proof.measured, proof.time_s,
@@ -133,45 +148,44 @@ def _ratio(task: Task, gear: Gear) -> float:
     return min(known_ratios, key=lambda r: abs(math.log(r / gear.ratio)))
 
 
-def _row_holdout(task: Task, result: Fit, chosen: Sequence[Segment]) -> Holdout | None:
-    """Rows held back, foretold by the soil that was found; the rows' own nuisances are fitted."""
+def _slip_ahead(
+    task: Task, model: Rollouts, result: Fit, chosen: Sequence[Segment], scale: float
+) -> Holdout | None:
+    """Slip of the rows held back, predicted at their force by the machine's own slip over force.
+
+    The force is engine torque x engine speed / wheel speed. None where the log has no engine load,
+    or too few rows.
+    """
+    if "engine_load" not in model.evidence.channels:
+        return None
     try:
-        torque, reference_nm, _, of_axle = torque_of(task)
-        found = steady_rows(task.log, task.rows, torque, steady_mps2=math.inf)
+        found = steady_rows(task.log, task.rows, task.rows["engine_load"], steady_mps2=math.inf)
     except BadInput:
         return None
-    values, sds = result.values, dict(zip(result.prior.names, np.sqrt(np.diag(result.cov)),
-                                          strict=True))  # fmt: skip
-    held_from = (
-        min(s.rows.start for s in chosen if s.held_back)
-        if any(s.held_back for s in chosen)
-        else len(task.rows["epoch_ns"])
-    )
+    starts = [s.rows.start for s in chosen if s.held_back]
     held = held_back(task, found.time_s) if task.hold_out_s else (
-        found.time_s >= held_from)  # fmt: skip
+        found.time_s >= min(starts, default=math.inf))  # fmt: skip
     fitted, back = found.chosen(~held & np.isfinite(found.ratio)), found.chosen(held)
     if len(fitted) < 6 or len(back) < 3:
         return None
-    machine, soil = machine_with(task.machine, values), soil_with(task.soil, values)
-    names = tuple(n for n in STEADY_NAMES if n != "engine.fuel_l_per_kwh")
-    numbers = machine_facts(machine).numbers
-    block = task.log.setup.wheels
-    scale = 1.0
-    if block is not None and block.counts_per_turn is not None:
-        scale = numbers["tyre_rear.free_rolling_radius_m"] / block.radius_m["rl"]
-    own = {
-        "log.reference_torque_nm": (values.get("log.reference_torque_nm", reference_nm),
-                                    sds.get("log.reference_torque_nm", 0.15)),
-        "log.wheel_scale": (values.get("log.wheel_scale", scale),
-                            sds.get("rear.free_rolling_radius_m", 0.03)),
-        "log.carried_kg": (CARRIED_SHARE * mass_kg(machine), 0.7),
-    }  # fmt: skip
-    for name in ("soil.cone_index_kpa", "soil.friction", "transmission.efficiency"):
-        if name in values:
-            own[name] = (values[name], float(sds[name]))
-    later = replace(task, machine=machine, soil=soil, parameters=None)
-    driven = "fl" in task.log.setup.driven
-    prior = prior_of(later, names, own)
-    row_fit = fit(Steady(machine, soil, names, fitted, driven, of_axle), prior, seed=task.seed,
-                  starts=1, told=task.told)  # fmt: skip
-    return held_out(Steady(machine, soil, names, back, driven, of_axle), row_fit, fitted, task.seed)
+    gear = next(c.gear for c in model.conditions if c.working)
+    curves = model.under_load(np.exp(beside(result.u)), gear, LOADS)
+    engine, load, wheel, ground = (
+        curves[..., model.evidence.channels.index(c)]
+        for c in ("engine_radps", "engine_load", "wheel_speed_mps", "speed_mps")
+    )
+    force, ratio = load * engine / wheel, ground / wheel
+    left = fitted.ratio - _read_off(force[0], ratio[0], fitted.force)
+    noise = estimated(left[:, None], fitted.time_s, np.array([0.001]))
+    ratios = np.array([_read_off(f, r, back.force) for f, r in zip(force, ratio, strict=True)])
+    return held_out(back, fitted, ratios, result.cov, float(noise.sd()[0, 0]), scale, task.seed)
+
+
+def _read_off(force: Array, ratio: Array, at: Array) -> Array:
+    """Ratio of speeds at a force, between the loads that were driven."""
+    from scipy.interpolate import PchipInterpolator
+
+    driven = np.isfinite(ratio)
+    order = np.argsort(force[driven])
+    force, ratio = force[driven][order], ratio[driven][order]
+    return np.asarray(PchipInterpolator(force, ratio)(np.clip(at, force[0], force[-1])))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.zero_slip import zero_slip_scale
-from twin.calibration.fitting import Fit, fit
+from twin.calibration.fitting import Fit, beside, fit
 from twin.calibration.gears import Gear
 from twin.calibration.holdout import held_out
 from twin.calibration.known import known
@@ -33,10 +33,11 @@ from twin.errors import BadInput
 Array = NDArray[np.float64]
 
 STEADY_NAMES = (
-    "soil.cone_index_kpa", "soil.friction", "transmission.efficiency", "engine.parasitic_nm",
+    "soil.cone_index_kpa", "soil.k_phi_kn_per_m_n2", "soil.shear_modulus_m", "soil.friction",
+    "transmission.efficiency", "engine.parasitic_nm",
     "engine.fuel_l_per_kwh", "log.reference_torque_nm", "log.wheel_scale", "log.carried_kg",
 )  # fmt: skip
-"""What such a log may tell of."""
+"""Parameters that such a log may determine."""
 SCALES = (0.93, 1.07)
 """A scale of the wheels beyond these says that the map is another machine's."""
 LEAST_SCALE_SD, EMPTY_ROWS, EMPTY_MPS = 0.015, 20, 1.0
@@ -44,7 +45,11 @@ LEAST_SCALE_SD, EMPTY_ROWS, EMPTY_MPS = 0.015, 20, 1.0
 
 
 def by_rows(task: Task) -> Calibration:
-    """A long log: steady rows."""
+    """A long log: steady rows.
+
+    Raises:
+        BadInput: the log cannot be fitted.
+    """
     torque, reference_nm, spread, of_axle = torque_of(task)
     gears, _, _ = gears_of(task)
     found = steady_rows(task.log, task.rows, torque)
@@ -70,7 +75,9 @@ def by_rows(task: Task) -> Calibration:
                  told=task.told, remember=task.memory)  # fmt: skip
     _refuse_unlikely(result, gears)
     ahead = Steady(task.machine, task.soil, names, back, all_wheels, of_axle)
-    holdout = held_out(ahead, result, fitted, task.seed)
+    ratios = ahead.foretold(np.exp(beside(result.u)))[:, :, 0]
+    holdout = held_out(back, fitted, ratios, result.cov, float(result.noise.sd()[0, 0]),
+                       result.values.get("log.wheel_scale", 1.0), task.seed)  # fmt: skip
     return result_of(task, result, gears, model.channels, model.measured, model.time_s,
                         holdout, ROW_RULE)  # fmt: skip
 

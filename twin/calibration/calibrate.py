@@ -56,17 +56,17 @@ def calibrate(
     Args:
         log: as `twin.estimate` takes it.
         column_map: TOML that says which column is what.
-        machine: a name, a file, or what a file holds: what is believed before.
-        parameters: names of what is fitted; None for all that the log can tell.
+        machine: a name, a file, or what a file holds; its numbers and grades are the prior.
+        parameters: names of what is fitted; None for all that the log can determine.
         hold_out_s: first and last second of the log that are not fitted; None for the last quarter
             of the work.
         implement: the implement; None for the machine's usual one.
-        soil: what is believed of the soil; None for a tilled field.
+        soil: prior of the soil; None for a tilled field.
         seed: of the random starts.
         starts: how many there are.
         jobs: threads.
         resume: file that keeps what is found, so that a killed calibration goes on.
-        told: called with what is being done.
+        told: called with the name of each step.
 
     Raises:
         BadInput: the log cannot be fitted; says what is missing.

@@ -25,7 +25,7 @@ TOLERANCES = {
 """Least sd of a channel's mean: share of the value, and in its unit. A ground that is rough and
 varies does so much to a model of an even one."""
 MEMORY_S = 6
-"""Noise of work is followed for so long [s]: draft varies over some 4 m."""
+"""Noise is followed for so long [s]: draft and ground vary over some 4 m."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,8 @@ class Evidence:
 def evidence(rows: Table, segments: list[Segment]) -> Evidence:
     """The means of segments with their covariance.
 
-    Work: the covariance over long times of rows of a second, with Bartlett's weights, over n. What
-    channels share, as the draft that varies from place to place, is in it. Driving empty: half the
-    mean square of their differences, over n.
+    The covariance over long times of rows of a second, over n: of work, and of driving empty. What
+    channels share, as the draft that varies from place to place, is in it.
     """
     channels = tuple(
         c for c in CHANNELS
@@ -56,27 +55,33 @@ def evidence(rows: Table, segments: list[Segment]) -> Evidence:
     )  # fmt: skip
     table = np.stack([rows[c] for c in channels], axis=1)
     measured = np.array([np.nanmean(table[s.rows], axis=0) for s in segments])
-    shared = _long_run([table[s.rows] for s in segments if s.working])
+    long_run = {working: _long_run([table[s.rows] for s in segments if s.working == working])
+                for working in {s.working for s in segments}}  # fmt: skip
     shares, least = np.array([TOLERANCES[c] for c in channels]).T
     covariance = []
     for segment, mean in zip(segments, measured, strict=True):
         part = table[segment.rows]
-        own = (
-            shared if segment.working else np.diag(0.5 * np.nanmean(np.diff(part, axis=0) ** 2, 0))
+        covariance.append(
+            long_run[segment.working] / len(part) + np.diag((shares * np.abs(mean)) ** 2 + least**2)
         )
-        covariance.append(own / len(part) + np.diag((shares * np.abs(mean)) ** 2 + least**2))
     time_s = (rows["epoch_ns"] - rows["epoch_ns"][0]) * 1e-9
     middle = np.array([np.mean(time_s[s.rows]) for s in segments])
     return Evidence(channels, tuple(segments), measured, np.array(covariance), middle, least)
 
 
 def _long_run(parts: list[Array]) -> Array:
-    """sum over lags k of (1 - |k| / (K + 1)) Gamma_k, of parts about the mean of all."""
+    """Covariance over long times of parts about the mean of all, N rows, with Bartlett's weights:
+
+        sum over lags k of (1 - |k| / (K + 1)) Gamma_k / (1 - (K + 1) / N)
+
+    The divisor makes up for what the mean of so few rows takes with it.
+    """
     mean = np.nanmean(np.concatenate(parts), axis=0)
     left = [np.nan_to_num(part - mean) for part in parts]
     total = sum(len(part) for part in left)
+    memory = min(MEMORY_S, total // 3)
     out = sum(part.T @ part for part in left) / total
-    for lag in range(1, MEMORY_S + 1):
+    for lag in range(1, memory + 1):
         gamma = sum(part[lag:].T @ part[:-lag] for part in left if len(part) > lag) / total
-        out = out + (1.0 - lag / (MEMORY_S + 1)) * (gamma + gamma.T)
-    return np.asarray(out)
+        out = out + (1.0 - lag / (memory + 1)) * (gamma + gamma.T)
+    return np.asarray(out / (1.0 - (memory + 1) / total))

@@ -37,7 +37,7 @@ def residuals(found: Calibration) -> Drawing:
 
 
 def parity(found: Calibration, measured: Array) -> Drawing:
-    """Foretold against measured, each channel over its mean."""
+    """Predicted against measured, each channel over its mean."""
 
     def draw(axes: Axes) -> None:
         foretold = measured - found.fit.residual
@@ -53,7 +53,7 @@ def parity(found: Calibration, measured: Array) -> Drawing:
 
 
 def ahead(holdout: Holdout) -> Drawing:
-    """Slip of the part held back: foretold with its band, and measured."""
+    """Slip of the part held back: predicted with its band, and measured."""
 
     def draw(axes: Axes) -> None:
         time_s, slip, sd = holdout.rows.time_s, 100.0 * holdout.slip, 100.0 * holdout.slip_sd
@@ -66,7 +66,7 @@ def ahead(holdout: Holdout) -> Drawing:
 
 
 def corner(fit: Fit) -> str:
-    """An SVG of what the log tells of each two parameters: ellipses of 68 and 95 %."""
+    """An SVG of the posterior of each two parameters: ellipses of 68 and 95 %."""
     order = np.argsort(np.diag(fit.cov) / fit.prior.sd**2)[:MOST_IN_CORNER]
     count, sds = len(order), np.sqrt(np.diag(fit.cov))
     angle = np.linspace(0.0, 2.0 * np.pi, 60)

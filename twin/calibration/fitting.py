@@ -25,7 +25,7 @@ STEP = 1e-3
 """Difference of a logarithm over which a slope is taken."""
 DAMPINGS = (0.0, 0.03, 1.0, 30.0)
 """Levenberg's dampings that are tried side by side."""
-MOST_STEPS, ENOUGH = 12, 3e-3
+MOST_STEPS, ENOUGH = 12, 0.03
 """Steps at most, and the step over the posterior sd that ends them."""
 ROUNDS = 4
 """So often the noise is estimated again from what the fit leaves."""
@@ -52,7 +52,7 @@ class Prior:
 
 
 class Model(Protocol):
-    """What foretells the measurements of the rows that are fitted."""
+    """What predicts the measurements of the rows that are fitted."""
 
     @property
     def measured(self) -> Array:
@@ -90,11 +90,11 @@ class Fit:
     """Of these logarithms, (p, p)."""
     noise: Noise
     residual: Array
-    """Measured less foretold, (n, c)."""
+    """Measured less predicted, (n, c)."""
     white: Array
     """The same, whitened."""
     slopes: Array
-    """Change of the foretold channels with the logarithms, (n, c, p)."""
+    """Change of the predicted channels with the logarithms, (n, c, p)."""
     cost: float
     misfit: float
     """Root mean square of the whitened residuals, by the noise that was measured."""
@@ -131,7 +131,7 @@ def fit(
     """The parameters that explain a log.
 
     Args:
-        model: foretells what was measured.
+        model: predicts what was measured.
         prior: what is believed before.
         seed: of the random starts.
         starts: how many; the first is the prior's mean.
@@ -154,11 +154,10 @@ def fit(
     if not np.isfinite(costs).any():
         raise NotFitted("no start of the calibration gave finite residuals")
     u = ends[int(np.nanargmin(costs))]
-    for round_ in range(ROUNDS if model.covariance is None else 1):
+    for round_ in range(ROUNDS if model.covariance is None else 0):
         told(f"noise, round {round_ + 1}")
-        if model.covariance is None:
-            residual = model.measured - model.foretold(np.exp(u)[None])[0]
-            noise = estimated(residual, model.time_s, model.floor)
+        residual = model.measured - model.foretold(np.exp(u)[None])[0]
+        noise = estimated(residual, model.time_s, model.floor)
         u = remember(f"round-{round_}", lambda u=u, n=noise: _end(model, prior, n, u))[:-1]  # type: ignore[misc]
     return _posterior(model, prior, noise, u, costs, ends)
 
@@ -196,11 +195,15 @@ def _end(model: Model, prior: Prior, noise: Noise, u: Array) -> Array:
     return np.append(u, cost)
 
 
+def beside(u: Array, sign: Array | float = 1.0) -> Array:
+    """Parameters at u and a step from it in each, by logarithms: shape (1 + p, p)."""
+    return np.vstack([u[None], u + np.diag(np.broadcast_to(sign, u.shape) * STEP)])
+
+
 def _with_slopes(model: Model, u: Array, prior: Prior) -> tuple[Array, Array]:
-    """Foretold channels (n, c), and their change with each parameter (n, c, p)."""
+    """Predicted channels (n, c), and their change with each parameter (n, c, p)."""
     sign = np.where(u + STEP > prior.high, -1.0, 1.0)
-    beside = u + np.diag(sign * STEP)
-    found = model.foretold(np.exp(np.vstack([u[None], beside])))
+    found = model.foretold(np.exp(beside(u, sign)))
     slopes = (found[1:] - found[0]) / (sign * STEP)[:, None, None]
     return found[0], np.moveaxis(slopes, 0, -1)
 

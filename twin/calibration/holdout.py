@@ -1,4 +1,4 @@
-"""The part of a log that was never fitted, foretold and scored beside a line and a constant."""
+"""The part of a log that was never fitted, predicted and scored beside a line and a constant."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from twin.calibration.fitting import STEP, Fit
-from twin.calibration.steady import Steady
+from twin.calibration.fitting import STEP
 from twin.calibration.steady_rows import SteadyRows
 
 Array = NDArray[np.float64]
@@ -22,11 +21,11 @@ HUBER_SLIP = 0.01
 
 @dataclass(frozen=True)
 class Holdout:
-    """Rows that were held back, foretold; and their scores."""
+    """Rows that were held back, predicted; and their scores."""
 
     rows: SteadyRows
     slip: Array
-    """Foretold."""
+    """Predicted."""
     slip_sd: Array
     measured: Array
     """By the scale of the wheels that was found; NaN where GNSS is not known."""
@@ -36,21 +35,29 @@ class Holdout:
     block_s: float
 
 
-def held_out(model: Steady, fit: Fit, fitted: SteadyRows, seed: int = 0) -> Holdout:
-    """Score the rows of `model`, none of which was fitted.
+def held_out(
+    rows: SteadyRows, fitted: SteadyRows, ratios: Array, cov: Array, noise_sd: float, scale: float,
+    seed: int = 0,
+) -> Holdout:  # fmt: skip
+    """Score rows that were never fitted.
 
-    Slip is foretold by the laws at the parameters' mean; its sd has the parameters' uncertainty and
-    the noise of slip that was estimated. Beside it stand a straight line of slip in engine torque x
-    engine speed / wheel speed by Huber's loss, and the median, both of the fitted rows.
+    The sd of the predicted slip has the parameters' uncertainty and the noise. It is compared with
+    a straight line of slip in engine torque x engine speed / wheel speed by Huber's loss, and with
+    the median, both of the fitted rows.
+
+    Args:
+        rows: held back.
+        fitted: the others.
+        ratios: ground over logged wheel speed of `rows`, predicted at the parameters' mean and
+            beside it, as `fitting.beside` has them. Shape (1 + p, n).
+        cov: of the parameters' logarithms.
+        noise_sd: of a measured ratio about a predicted one.
+        scale: true over logged wheel speed at zero slip.
+        seed: of the blocks that are drawn.
     """
-    rows, names = model.rows, fit.prior.names
-    scale = fit.values.get("log.wheel_scale", 1.0)
-    sets = np.exp(np.vstack([fit.u[None], fit.u + STEP * np.eye(len(names))]))
-    foretold = model.foretold(sets)[:, :, 0]
-    slopes = (foretold[1:] - foretold[0]).T / STEP
-    noise_sd = float(fit.noise.sd()[0, 0])
-    spread = np.sqrt(np.einsum("np,pq,nq->n", slopes, fit.cov, slopes) + noise_sd**2)
-    slip, slip_sd = 1.0 - foretold[0] / scale, spread / scale
+    slopes = (ratios[1:] - ratios[0]).T / STEP
+    spread = np.sqrt(np.einsum("np,pq,nq->n", slopes, cov, slopes) + noise_sd**2)
+    slip, slip_sd = 1.0 - ratios[0] / scale, spread / scale
     measured = 1.0 - rows.ratio / scale
     size = float(np.median(fitted.force))
     found = 1.0 - fitted.ratio / scale

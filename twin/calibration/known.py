@@ -29,7 +29,7 @@ class Known:
     low: float
     high: float
     settles: str
-    """The measurement that tells it apart from the others."""
+    """The measurement that separates it from the others."""
     numerics: Callable[[Mapping[str, float], float], dict[str, float]] | None = None
     """Numerics of a hand-made MJCF for a value; None where only a machine's file can hold it."""
     read: Callable[[Mapping[str, float]], float] | None = None
@@ -94,6 +94,14 @@ SOIL = (
         high=5000.0, settles="a penetrometer, or a coast-down beside a pass with the plough up",
     ),
     Known(
+        name="soil.k_phi_kn_per_m_n2", unit="kN/m**(n+2)", about="modulus of sinkage", spread=0.5,
+        low=150.0, high=50000.0, settles="a plate pressed into the soil, or a coast-down",
+    ),
+    Known(
+        name="soil.shear_modulus_m", unit="m", about="shear modulus", spread=0.3, low=0.004,
+        high=0.15, settles="a shear ring, or pulls at small and at large slip",
+    ),
+    Known(
         name="soil.friction", unit="-", about="friction", spread=0.07, low=0.05, high=1.5,
         settles="a pull until the wheels spin",
     ),
@@ -124,6 +132,11 @@ LOG = (
         spread=0.03, low=0.5, high=2.0, settles="driving on a hard road with nothing in the ground",
     ),
 )  # fmt: skip
+OF_LAW = {
+    "brixius": ("friction", "cone_index_kpa", "mobility_resistance", "draft_scale"),
+    "bekker": ("friction", "k_phi_kn_per_m_n2", "shear_modulus_m", "draft_scale"),
+}
+"""What of a soil each law, and the draft, depends on."""
 KNOWN = {known.name: known for known in (*MACHINE, *SOIL, *LOG)}
 
 

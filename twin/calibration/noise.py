@@ -1,11 +1,12 @@
-"""Noise of measurements: each channel's sd, their correlation, and how long noise lasts.
+"""Noise of measurements: each channel's sd, their correlation, and the correlation time.
 
 A residual r_i of c channels at time t_i is whitened in two steps:
 
     w_i = L_i^-1 r_i                         L_i L_i' = C_i, covariance of the channels
     e_i = (w_i - a_i w_(i-1)) / sqrt(1 - a_i**2)    a_i = exp(-(t_i - t_(i-1)) / tau)
 
-so that noise which lasts for tau does not count as many times as it is sampled.
+tau is the correlation time of the noise [s]. e_0 = w_0; with tau = 0, e_i = w_i. Samples within one
+tau carry little more information than one sample.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 TAUS_S = (0.0, 2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0)
-"""Times for which noise may last that are compared [s]."""
+"""Correlation times that are compared [s]."""
 MAD_SD = 1.4826
 """Standard deviation of a normal variable over its median absolute deviation."""
 HUBER = 2.0
@@ -31,14 +32,14 @@ class Noise:
     cholesky: Array
     """Lower factor of the channels' covariance in each row. Shape (n, c, c)."""
     tau_s: float
-    """How long noise lasts; 0 where rows are independent."""
+    """Correlation time [s]; 0 where rows are independent."""
 
     def sd(self) -> Array:
         """Standard deviations. Shape (n, c)."""
         return np.asarray(np.sqrt(np.sum(self.cholesky**2, axis=2)))
 
     def scaled(self, by: float) -> Noise:
-        """The same noise, so many times as large."""
+        """Noise whose standard deviations are `by` times as large."""
         return Noise(self.cholesky * by, self.tau_s)
 
 

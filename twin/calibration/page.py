@@ -52,7 +52,7 @@ def rows(found: Calibration) -> list[list[str]]:
 
 
 def settling(found: Calibration) -> list[str]:
-    """Which measurement would tell a parameter that the log does not."""
+    """Which measurement would determine a parameter that the log leaves open."""
     return [f"{p.name}: {p.settles}" for p in found.parameters if p.verdict != "identified"]
 
 

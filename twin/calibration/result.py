@@ -43,7 +43,7 @@ class Calibration:
     channels: tuple[str, ...]
     time_s: Array
     foretold: Array
-    """What the machine foretells of the rows that were fitted, (n, c)."""
+    """What the machine predicts of the rows that were fitted, (n, c)."""
     holdout: Holdout | None
     rule: str
     notes: tuple[str, ...]

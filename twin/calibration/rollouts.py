@@ -1,6 +1,6 @@
 """Forward model of short logs: the machine itself, driven in a Batch, many parameters side by side.
 
-Every segment is foretold for every set of parameters at once: the compiled machine starts rolling
+Every segment is predicted for every set of parameters at once: the compiled machine starts rolling
 in its furrow, or with the plough up, runs until it is steady, and its means are what a sensor would
 have measured. The ground has no roughness and no variation: what those do is noise of the log.
 """
@@ -8,6 +8,7 @@ have measured. The ground has no roughness and no variation: what those do is no
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -18,12 +19,15 @@ from numpy.typing import NDArray
 
 from twin.calibration.applied import Values, machine_with, soil_with
 from twin.calibration.evidence import Evidence
+from twin.calibration.known import known
 from twin.machine.build import Machine, assemble
 from twin.machine.fuel import fuel_lph
 from twin.physics import block
 from twin.physics.block import MachineSlot, WheelSlot
 from twin.scenario import Course, Drive, Field, Plough, Scenario, Soil
+from twin.simulation.braking import BrakePedal
 from twin.simulation.build import build
+from twin.simulation.course_task import asked_mps, drivetrain
 from twin.simulation.quiet import quiet
 from twin.simulation.simulate import CourseRun
 from twin.simulation.simulation import DECISION_S, Simulation
@@ -35,11 +39,14 @@ Array = NDArray[np.float64]
 
 SETTLING_S, HOLD_S = 4.0, 1.0
 """Time until a machine is steady, and over which its means are taken [s]."""
-AT_WORK_S = 4.0
-"""How long after full depth the state is kept from which rollouts begin [s]."""
+AT_WORK_S = 12.0
+"""How long after full depth the state is kept from which rollouts begin: depth creeps [s]."""
 APPROACH_M = 15.0
 LEFT_OUT = ("aabb", "bvh", "rbound")
 """Fields of a model that no force depends on."""
+DRAFT = "soil.draft_scale"
+READ_OFF = ("engine.fuel_l_per_kwh", "log.reference_torque_nm", "log.wheel_scale")
+"""Parameters that change what is measured, and nothing of the drive."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +98,8 @@ class Snapshot:
 
     state: Array
     driver: np.void
-    pedal: np.void
+    asked_mps: float
+    """Speed of its rims without load."""
 
 
 @dataclass
@@ -117,22 +125,42 @@ class Rollouts:
 
     def foretold(self, values: Array) -> Array:
         """The channels in all segments for parameters (k, p): shape (k, n, c)."""
-        sets = [self.fixed | dict(zip(self.names, row.tolist(), strict=True)) for row in values]
-        driven = list(dict.fromkeys(self.conditions))
+        return self._driven(self._sets(values), self.conditions)
+
+    def under_load(self, values: Array, gear: Gear, shares: Sequence[float]) -> Array:
+        """The channels at work for parameters (k, p) and shares (m,) of the draft: (k, m, c).
+
+        NaN where a machine does not pull so much.
+        """
+        usual = self.drawn.soil.resolved.draft_scale
+        loaded = [v | {DRAFT: min(share * v.get(DRAFT, usual), known(DRAFT).high)}
+                  for v in self._sets(values) for share in shares]  # fmt: skip
+        found = self._driven(loaded, (Condition(True, gear),))
+        return found.reshape(len(values), len(shares), -1)
+
+    def _sets(self, values: Array) -> list[dict[str, float]]:
+        return [self.fixed | dict(zip(self.names, row.tolist(), strict=True)) for row in values]
+
+    def _driven(self, sets: list[dict[str, float]], conditions: tuple[Condition, ...]) -> Array:
+        """The channels in some conditions: shape (k, n, c)."""
+        moved = [tuple(x for n, x in v.items() if n not in READ_OFF) for v in sets]
+        of_drive = list(dict.fromkeys(moved))
+        drives = [sets[moved.index(each)] for each in of_drive]
+        driven = list(dict.fromkeys(conditions))
         machine, snapshots = self._start(sets[0], driven[0].gear)
         gears = list(dict.fromkeys(c.gear for c in driven))
-        made = {g: [assemble(self.drawn.scenario(v, g)) for v in sets] for g in gears}
-        machines = [made[c.gear][i] for i in range(len(sets)) for c in driven]
+        made = {g: [assemble(self.drawn.scenario(v, g)) for v in drives] for g in gears}
+        machines = [made[c.gear][i] for i in range(len(drives)) for c in driven]
         count = len(machines)
         if count not in self._simulations:
             self._simulations[count] = Simulation(machine, count, self.nthread)
         simulation = self._simulations[count]
-        working = [c.working for c in driven] * len(sets)
+        working = [c.working for c in driven] * len(drives)
         _prepare(simulation, machines, [snapshots[w] for w in working], working)
         with quiet():
-            slots = _means(simulation)
-        found = self._channels(sets, slots.reshape(len(sets), len(driven), -1))
-        return found[:, [driven.index(c) for c in self.conditions]]
+            slots = _means(simulation).reshape(len(drives), len(driven), -1)
+        found = self._channels(sets, slots[[of_drive.index(each) for each in moved]])
+        return found[:, [driven.index(c) for c in conditions]]
 
     def _start(self, values: dict[str, float], gear: Gear) -> tuple[Machine, dict[bool, Snapshot]]:
         if self._started is None:
@@ -173,7 +201,7 @@ def _snapshots(machine: Machine) -> dict[bool, Snapshot]:
 
     def keep() -> Snapshot:
         return Snapshot(simulation.state[0].copy(), simulation.drivers[0].copy(),
-                        simulation.pedals[0].copy())  # fmt: skip
+                        asked_mps(machine))  # fmt: skip
 
     with quiet():
         for _ in range(round(AT_WORK_S / DECISION_S)):
@@ -192,14 +220,20 @@ def _snapshots(machine: Machine) -> dict[bool, Snapshot]:
 def _prepare(
     simulation: Simulation, machines: list[Machine], starts: list[Snapshot], working: list[bool]
 ) -> None:
-    """Put every machine of the Batch at its start."""
+    """Put every machine of the Batch at its start, as fast as its throttle and gear ask for.
+
+    One that is too fast would brake, and not be steady for long.
+    """
     base = simulation.machine.model
     for name in _differing(base, [m.model for m in machines]):
         simulation.batch.expand(name)[:] = [getattr(m.model, name) for m in machines]
     for i, (machine, start) in enumerate(zip(machines, starts, strict=True)):
         simulation.batch.warning[i] = 0
         simulation.state[i] = start.state
-        simulation.drivers[i], simulation.pedals[i] = start.driver, start.pedal
+        simulation.qvel[i] *= asked_mps(machine) / start.asked_mps
+        simulation.drivers[i] = start.driver
+        simulation.drivetrain[i] = tuple(drivetrain(machine))
+        simulation.pedals[i] = tuple(BrakePedal())
         simulation.tasks[i]["throttle"] = machine.throttle
         if not working[i]:
             simulation.tasks[i]["approach_m"] = math.inf
@@ -216,7 +250,8 @@ def _differing(base: mujoco.MjModel, models: list[mujoco.MjModel]) -> list[str]:
             or not isinstance(own, np.ndarray) or own.dtype.kind != "f"
         ):  # fmt: skip
             continue
-        if any(not np.array_equal(own, getattr(m, name), equal_nan=True) for m in models):
+        same = own.tobytes()
+        if any(getattr(m, name).tobytes() != same for m in models):
             out.append(name)
     return out
 

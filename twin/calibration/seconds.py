@@ -47,7 +47,13 @@ def seconds(log: Log) -> Table:
             f"{rows['duration_s'][moving].sum():.0f} s, at most {fastest:.2f} m/s; "
             f"{LEAST_MOVING_S:.0f} s of driving would do"
         )
-    return rows | _front(streams, rows) | _depth(log, rows) | _torque(streams, rows)
+    return (
+        rows
+        | _ground(streams, rows)
+        | _front(streams, rows)
+        | _depth(log, rows)
+        | _torque(streams, rows)
+    )
 
 
 def with_speeds(streams: Streams, setup: Setup) -> Streams:
@@ -68,6 +74,14 @@ def with_speeds(streams: Streams, setup: Setup) -> Streams:
         if f"ticks_{w}" in wheels
     }  # fmt: skip
     return Streams({**streams.tables, "wheels": {**wheels, **added}}, streams.frames)
+
+
+def _ground(streams: Streams, rows: Table) -> Table:
+    """Speed of the mean velocity of a second: a mean of |v| would count the antenna's sway."""
+    epoch_ns = streams["gnss"]["epoch_ns"]
+    east, north = (brought(epoch_ns, streams.column("gnss", f"v_{axis}_mps"), rows["epoch_ns"])
+                   for axis in ("east", "north"))  # fmt: skip
+    return {"speed_mps": np.hypot(east, north)}
 
 
 def _front(streams: Streams, rows: Table) -> Table:

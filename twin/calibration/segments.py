@@ -18,6 +18,9 @@ MOST_WORK, MOST_EMPTY = 8, 4
 """Segments of each kind, at most, so that a fit takes minutes."""
 SETTLED_S = 4
 """Work counts from so long after it began: the plough is then at its depth [s]."""
+BESIDE_S = 3
+"""Driving empty counts from so long after it began until so long before it ends: it starts, and the
+plough is lowered or lifted there [s]."""
 STEADY_MPS2 = 0.08
 """Driving empty is steady where the wheels' speed changes by less a second."""
 STRAIGHT_RADPS = 0.06
@@ -28,7 +31,8 @@ HELD_SHARE = 0.25
 RULE = (
     f"Segments are {SHORTEST_S} to {LONGEST_S} s of steady work, from {SETTLED_S} s after it "
     f"began, at no less than {FULL_DEPTH:.0%} of the usual depth; and of driving empty and straight"
-    f" in which the wheels' speed changes by less than {STEADY_MPS2:g} m/s a second. At most "
+    f" in which the wheels' speed changes by less than {STEADY_MPS2:g} m/s a second, less "
+    f"{BESIDE_S} s at both ends. At most "
     f"{MOST_WORK} and {MOST_EMPTY} of them, evenly over the log. The last {HELD_SHARE:.0%} of the "
     "work is held back."
 )
@@ -50,7 +54,7 @@ def segments(rows: Table) -> list[Segment]:
         BadInput: too little steady work.
     """
     doing = activity(rows)
-    work = _pieces(_at_depth(rows, doing[WORKING]), SETTLED_S)
+    work = _pieces(_at_depth(rows, doing[WORKING]), SETTLED_S, 0)
     if len(work) < 2:
         lasts_s = sum(piece.stop - piece.start for piece in work)
         raise BadInput(
@@ -58,7 +62,7 @@ def segments(rows: Table) -> list[Segment]:
             "the implement in the ground, would do"
         )
     held_from = work[max(1, round((1.0 - HELD_SHARE) * len(work)))].start
-    empty = _pieces(_steady(rows, doing[EMPTY]), 0)
+    empty = _pieces(_steady(rows, doing[EMPTY]), BESIDE_S, BESIDE_S)
     fitted = [piece for piece in work if piece.start < held_from]
     after = [piece for piece in work if piece.start >= held_from]
     chosen = [Segment(piece, True) for piece in _spread(fitted, MOST_WORK)]
@@ -88,11 +92,11 @@ def _steady(rows: Table, empty: NDArray[np.bool_]) -> NDArray[np.bool_]:
         )
 
 
-def _pieces(chosen: NDArray[np.bool_], after: int) -> list[slice]:
-    """Stretches of chosen rows, less their first, cut into equal pieces."""
+def _pieces(chosen: NDArray[np.bool_], after: int, before: int) -> list[slice]:
+    """Stretches of chosen rows, less their first and last, cut into equal pieces."""
     out = []
     for first, stop in stretches(chosen):
-        first += after
+        first, stop = first + after, stop - before
         if stop - first < SHORTEST_S:
             continue
         count = max(1, round((stop - first) / LONGEST_S))

@@ -41,7 +41,7 @@ class SteadyRows:
     """As the log has it."""
     engine_radps: Array
     torque: Array
-    """Engine torque over the reference torque, or what stands for it."""
+    """Engine torque over the reference torque, or what replaces it."""
     force: Array
     """Mean of torque times engine speed over wheel speed [N over the reference torque in N m]."""
     fuel_lph: Array

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from estimators.lag import Lag
 from twin.calibration import gears as found_gears
-from twin.calibration.applied import believed, can_fit, machine_with, soil_with
+from twin.calibration.applied import believed, can_fit, machine_with, reads, soil_with
 from twin.calibration.fitting import Fit, Prior
 from twin.calibration.gears import Gear
 from twin.calibration.holdout import Holdout
@@ -19,7 +19,7 @@ from twin.calibration.kept import Memory
 from twin.calibration.known import known
 from twin.calibration.posterior import Posterior
 from twin.calibration.result import Calibration
-from twin.calibration.verdicts import misfit_note, together, told
+from twin.calibration.verdicts import far_notes, misfit_note, together, told
 from twin.errors import BadInput
 from twin.logs import Log
 from twin.scenario import Soil
@@ -116,13 +116,20 @@ def prior_of(task: Task, names: Sequence[str], own: Mapping[str, tuple[float, fl
         mean.append(math.log(value))
         sd.append(spread)
         grades.append(grade)
+    low, high = bounds(task.machine, names)
+    mean = [min(max(m, a), b) if n.startswith("log.set_rpm") else m
+            for n, m, a, b in zip(names, mean, low, high, strict=True)]  # fmt: skip
+    return Prior(tuple(names), np.array(mean), np.array(sd), low, high, tuple(grades))
+
+
+def bounds(machine: Machine, names: Sequence[str]) -> tuple[Array, Array]:
+    """Logarithms of the least and the greatest value of each parameter."""
     low, high = (np.log([getattr(known(n), end) for n in names]) for end in ("low", "high"))
-    facts = machine_facts(task.machine).numbers
+    facts = machine_facts(machine).numbers
     for i, name in enumerate(names):
         if name.startswith("log.set_rpm"):
             low[i] = math.log(max(300.0, 1.13 * facts["engine.idle_rpm"]))
             high[i] = math.log(0.985 * facts["engine.no_load_rpm"])
-            mean[i] = min(max(mean[i], low[i]), high[i])
         if name.endswith("free_rolling_radius_m"):  # a file with another would be refused
             axle = name.partition(".")[0]
             radius_m = 0.5 * facts[f"tyre_{axle}.diameter_m"]
@@ -130,18 +137,21 @@ def prior_of(task: Task, names: Sequence[str], own: Mapping[str, tuple[float, fl
         if name == "engine.no_load_rpm":
             low[i] = math.log(max(1.002 * facts["engine.rated_rpm"],
                                   0.99 * facts["engine.no_load_rpm"]))  # fmt: skip
-    return Prior(tuple(names), np.array(mean), np.array(sd), low, high, tuple(grades))
+    return low, high
 
 
 def fitted_names(task: Task, usual: Sequence[str], absent: Iterable[str]) -> tuple[str, ...]:
     """What is fitted: what was asked for and can be, or what the log has."""
     left_out = set(absent)
-    names = [n for n in usual if n not in left_out and can_fit(task.machine, n)]
+    names = [
+        n for n in usual if n not in left_out and can_fit(task.machine, n) and reads(task.soil, n)
+    ]
     if task.parameters is None:
         return tuple(names)
-    refused = [n for n in task.parameters if n not in usual]
+    refused = [n for n in task.parameters if n not in usual or not reads(task.soil, n)]
     if refused:
-        raise BadInput(f"{refused[0]} cannot be told from this kind of log; there are: "
+        raise BadInput(f"{refused[0]} cannot be told from this kind of log under the soil law "
+                       f"{task.soil.law}; there are: "
                        f"{', '.join(names)}")  # fmt: skip
     needed = [n for n in names if n.startswith("log.")]
     return tuple(dict.fromkeys([*task.parameters, *needed]))
@@ -170,6 +180,7 @@ def result_of(
     values = result.values
     found = told(result)
     noted = [*notes, *([said] if (said := misfit_note(result)) else [])]
+    noted += far_notes(result)
     noted += [f"{p.name} is at its bound, {p.value:.4g} {p.unit}: the log asks for more than is "
               "allowed" for p in found if p.at_bound]  # fmt: skip
     away = np.abs(result.starts - result.u).max(axis=1) / np.sqrt(np.diag(result.cov)).max()

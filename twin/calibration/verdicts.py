@@ -1,4 +1,4 @@
-"""What a log can tell of each parameter, said plainly."""
+"""Verdict of a log on each parameter: identified, weak or not identified."""
 
 from __future__ import annotations
 
@@ -15,8 +15,10 @@ MOST_IDENTIFIED, MOST_WEAK = 1.0 / 3.0, 0.9
 LEAST_SURE = 0.15
 """One that is known no better than this, relative, is weak whatever the prior was."""
 TOGETHER = 0.8
-"""Correlation from which two are told only together."""
+"""Correlation from which only the combination of two is known."""
 NORMAL_95 = 1.96
+FAR = 3.0
+"""A parameter so many prior sd from what was believed is improbable."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,7 @@ def told(fit: Fit) -> list[Told]:
 
 
 def together(fit: Fit) -> list[str]:
-    """Pairs that the log tells only together, in words."""
+    """Pairs of which the log gives only the combination, in words."""
     sds = np.sqrt(np.diag(fit.cov))
     correlation = fit.cov / np.outer(sds, sds)
     found = []
@@ -78,3 +80,14 @@ def misfit_note(fit: Fit) -> str:
         f"the model misses the log by {fit.misfit:.1f} times its noise: something else is in the "
         "log, or the soil law is another; the intervals are widened by as much"
     )
+
+
+def far_notes(fit: Fit) -> list[str]:
+    """What is said of parameters that are far from what was believed before."""
+    away = (fit.u - fit.prior.mean) / fit.prior.sd
+    return [
+        f"{name} is {abs(z):.1f} sd from what was believed: the file is of another machine, or the "
+        "soil law is another, and the parameter bends to it"
+        for name, z in zip(fit.prior.names, away, strict=True)
+        if abs(z) > FAR and not name.startswith("log.")
+    ]

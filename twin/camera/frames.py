@@ -87,7 +87,7 @@ class DrawnFrames(Mapping[int, Image]):
         return len(self._shots)
 
     def every(self, count: int) -> DrawnFrames:
-        """One frame of so many, by number."""
+        """One frame, by number."""
         shots = {number: shot for number, shot in self._shots.items() if number % count == 0}
         return DrawnFrames(self._film, shots)
 

@@ -20,7 +20,7 @@ _PIXEL = np.uint32(0x9E3779B1)
 
 @dataclass(frozen=True, kw_only=True)
 class Sensitivity:
-    """What the image sensor makes of the light."""
+    """The image sensor: from light to pixels."""
 
     exposure_s: float = DAYLIGHT_S
     """Time the shutter is open [s]; a global shutter."""

@@ -65,23 +65,25 @@ class View:
 
 
 def ground_from_pixel(lens: Pinhole, view: View, time_s: float = 0.0) -> Array:
-    """Homography from a pixel (u, v, 1) to the ground (x, y, 1) [m].
+    """Homography from a pixel (u, v, 1) [px] to the ground z = 0, (x, y, 1) [m].
 
         r = R K^-1,   H = [c_x r_z - c_z r_x;  c_y r_z - c_z r_y;  r_z] / r_zz
 
     K is the camera matrix, R the rotation from camera to ground axes and c the optical centre, both
-    at `time_s`. r_x, r_y, r_z are the rows of r, and r_zz is the last element of r_z.
+    at `time_s`. r_x, r_y, r_z are the rows of r, and r_zz is the last element of r_z. H is
+    projective: x and y are the first two components over the third.
 
     Args:
         lens: the camera.
-        view: its pose.
+        view: its pose and motion at the middle of the exposure.
         time_s: time after the middle of the exposure [s].
 
     Returns:
         Shape (3, 3).
 
     Raises:
-        OutOfRange: a corner of the picture does not see the ground.
+        OutOfRange: the camera is not above the ground, or a corner of the picture does not see the
+            ground or sees it at less than about 3 degrees.
     """
     u, v = lens.centre_px
     f = lens.focal_px

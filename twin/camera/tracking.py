@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Executor, Future
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +33,25 @@ class Tracker:
     folder: Path | None = None
     """Where every frame is saved as PNG; None for nowhere."""
 
+    def track(self, chunk: Streams, pool: Executor) -> tuple[Tracker, Streams]:
+        """Put the velocities of a chunk's frames in the frames' place.
+
+        Args:
+            chunk: with the samples of camera and gyros that have arrived since the last.
+            pool: draws the next frame meanwhile.
+        """
+        camera = chunk["camera"]
+        seen = {name: chunk[name] for name in ("camera", "imu") if name in chunk}
+        ahead = Ahead(chunk.frames or {}, pool, self.folder)
+        state, told = attribute("odometry", ODOMETRY).run(self.state, Streams(seen, ahead))
+        table: Table = {
+            "epoch_ns": told["epoch_ns"],
+            "arrival_ns": camera["arrival_ns"] + self.processing_ns,
+            "frame": camera["frame"],
+            **{name: told[name] for name in COLUMNS["camera"] if name in told},
+        }
+        return replace(self, state=state), Streams({**chunk.tables, "camera": table})
+
 
 def tracker(
     setup: Setup, method: str, processing_s: float, folder: Path | None = None
@@ -42,28 +61,6 @@ def tracker(
         return None
     state = attribute("odometry", ODOMETRY).init(setup, method)
     return Tracker(state=state, processing_ns=round(processing_s * 1e9), folder=folder)
-
-
-def track(own: Tracker, chunk: Streams, pool: Executor) -> tuple[Tracker, Streams]:
-    """Put the velocities of a chunk's frames in the frames' place.
-
-    Args:
-        own: where odometry stands.
-        chunk: with the samples of camera and gyros that have arrived since the last.
-        pool: draws the next frame meanwhile.
-    """
-    camera = chunk["camera"]
-    seen = {name: chunk[name] for name in ("camera", "imu") if name in chunk}
-    ahead = Ahead(chunk.frames or {}, pool, own.folder)
-    state, told = attribute("odometry", ODOMETRY).run(own.state, Streams(seen, ahead))
-    table: Table = {
-        "epoch_ns": told["epoch_ns"],
-        "arrival_ns": camera["arrival_ns"] + own.processing_ns,
-        "frame": camera["frame"],
-        **{name: told[name] for name in COLUMNS["camera"] if name in told},
-    }
-    after = Tracker(state=state, processing_ns=own.processing_ns, folder=own.folder)
-    return after, Streams({**chunk.tables, "camera": table})
 
 
 class Ahead(Mapping[int, Image]):

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Calibrate(Output):
-    """Find the machine and the soil that explain a recorded drive; say what it cannot tell."""
+    """Find the machine and the soil that explain a recorded drive, and name what it leaves open."""
 
     log: Annotated[tuple[Path, ...], tyro.conf.Positional]
     """The recorded drive, or the files it is in."""
@@ -37,7 +37,7 @@ class Calibrate(Output):
     law: str = "brixius"
     """Soil law that is fitted: brixius, bekker, or your own as module:function."""
     parameters: str = ""
-    """What is fitted, separated by commas; by default all that the log can tell."""
+    """What is fitted, separated by commas; by default all that the log can determine."""
     hold_out: str = ""
     """FIRST,LAST: seconds of the log that are never fitted; by default the last quarter of work."""
     starts: int = 3

@@ -44,8 +44,8 @@ class Estimate:
     estimators: str = DEFAULT_ESTIMATORS
     """Estimators, separated by commas: names, or module:Name of your own."""
     hide: str = ""
-    """Hide GNSS for so many seconds, such as 1,10,30,60, at regular places while driving, and score
-    what each estimator foretells of the receiver's speed."""
+    """Hide GNSS for these times [s], such as 1,10,30,60, at regular places while driving, and score
+    the speed that each estimator predicts."""
     tuning: Path | None = None
     """File of `twin tune`: other noises of some of the estimators."""
     view: bool = False

@@ -29,8 +29,8 @@ def read(
     """A command's options and a scenario, with the values that arguments give their fields.
 
     Args:
-        options: the command's options as they are by default.
-        scenario: the scenario as it is named.
+        options: the command's options with their defaults.
+        scenario: the scenario before any override.
         args: what stands after `prog`.
         prog: the command as the user typed it.
 

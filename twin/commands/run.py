@@ -10,7 +10,7 @@ from collections.abc import Collection, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from twin.commands.output import check_folder
 from twin.commands.terminal import progress, say
@@ -52,8 +52,8 @@ class Options:
     mask: tuple[float, float] | None = None
     """Mask both GNSS antennas: start of the mask and its duration [s]."""
     posterior: int = 0
-    """Drive so many machines, drawn from the posterior beside a calibrated machine's file, too, and
-    show the band of every figure."""
+    """Drive this many machines more, drawn from the posterior beside a calibrated machine's file,
+    and show the band of every figure."""
     view: bool = False
     """Open the recording in the rerun viewer at the end."""
     quiet: bool = False
@@ -177,7 +177,7 @@ def status(result: Result) -> int:
     return 1 if result.failed else 0
 
 
-def _with_events(scenario: Thing, path: Path | None) -> Any:
+def _with_events(scenario: Thing, path: Path | None) -> Thing:
     """The scenario with the events of a file in place of its own."""
     if path is None:
         return scenario
@@ -191,7 +191,7 @@ def _with_events(scenario: Thing, path: Path | None) -> Any:
         raise BadInput(str(error) if str(path) in str(error) else f"{path}: {error}") from None
 
 
-def _masked(scenario: Thing, mask: tuple[float, float] | None) -> Any:
+def _masked(scenario: Thing, mask: tuple[float, float] | None) -> Thing:
     """The scenario with one more scheduled fault of its receiver."""
     from twin.sensors import Outage
 
@@ -237,19 +237,19 @@ def _split(args: Sequence[str]) -> tuple[str, Sequence[str]]:
     return args[0], args[1:]
 
 
-def _help(prog: str, default: Any = None) -> None:
+def _help(prog: str, default: Thing = None) -> None:
     """Print the options, and every field of a scenario with its value; then leave."""
     from twin.commands.parse import parse
 
     parse(Options if default is None else _with_fields(default), ["--help"], prog=prog)
 
 
-def _with_fields(default: Any) -> type[Options]:
+def _with_fields(default: Thing) -> type[Options]:
     """Options and every field of the scenario, whose defaults are the named scenario's values."""
     import tyro
 
     fields = dataclasses.field(default=default)
-    kind: Any = type(default)
+    kind: Thing = type(default)
     annotation = Annotated[kind, tyro.conf.arg(name="")]  # fields stand at the top level
     return dataclasses.make_dataclass(
         "Options",

@@ -41,7 +41,7 @@ def print_scores(scores: Mapping[str, Plain]) -> None:
 
 
 def print_hidden(scores: Mapping[str, Plain]) -> None:
-    """Print how well each estimator foretold the receiver's speed, where GNSS was hidden."""
+    """Print how well each estimator predicted the receiver's speed, where GNSS was hidden."""
     rows = hidden_rows(scores)
     if rows:
         say("GNSS hidden at regular places while driving, scored at their ends", style="italic")

@@ -46,7 +46,7 @@ SHOWN = {
 }
 """Quantity -> heading on the terminal, its scale, and its rank: the greatest is left out first."""
 EARLY_SHOWN = 20
-"""So many runs that were not driven as planned are named on the terminal."""
+"""Most runs that are named on the terminal as not driven as planned."""
 DRAWN = {
     "slip.rmse": ("RMSE of slip [%]", 100.0, "bound.slip_causal"),
     "sideslip_angle_rad.rmse": ("RMSE of sideslip angle [°]", DEG, "bound.sideslip_causal_rad"),
@@ -181,8 +181,6 @@ def read_sweeps(given: Sequence[str], scenario: Thing) -> dict[str, tuple[Any, .
         if not equals or not left.strip() or not right.strip():
             raise BadInput(f"--sweep {text} is not FIELD=V1,V2,... (soil.friction=0.6,0.8)")
         path = fields.spelled(left)
-        if path in ("seed", "name", "about"):
-            raise BadInput(f"--sweep {text}: {path} cannot be swept; --seeds takes the seeds")
         if path in found:
             raise BadInput(f"--sweep {path} is given twice")
         kind = fields.kind(scenario, path)

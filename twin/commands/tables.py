@@ -1,4 +1,4 @@
-"""Tables on the terminal, as wide as it is: columns are left out, numbers and names never cut.
+"""Tables as wide as the terminal: columns are left out, numbers and names never cut.
 
 A column has a rank. The one of the greatest rank is left out first, and a line below the table
 names what was left out; columns of rank 0 always stay. Text may break between its words.

@@ -67,7 +67,7 @@ class Tell(Protocol):
     """Takes the share done, and the time simulated where there is one."""
 
     def __call__(self, share: float, simulated_s: float | None = None, /) -> None:
-        """Tell that a share from 0 to 1 is done."""
+        """Show the share that is done, 0 to 1."""
 
 
 @contextmanager

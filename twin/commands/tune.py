@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 LEFT = {
     "not confirmed": "as the held-out part does not confirm another value",
-    "no difference told": "as the log tells no other value",
-    "flat": "as the log tells nothing of them",
+    "no difference told": "as the log shows no other value",
+    "flat": "as the log does not depend on them",
 }
 """Why a noise is not changed -> the words for it."""
 
@@ -98,7 +98,7 @@ def _print(tuning: Tuning) -> None:
     for why, words in LEFT.items():
         left = [value.name for value in tuning.values if value.why == why]
         if left:
-            say(f"left as they are, {words}: {', '.join(left)}", indent=2)
+            say(f"unchanged, {words}: {', '.join(left)}", indent=2)
     print_table([
         Column(heading="on the held-out part", cells=[g.quantity for g in tuning.gains], text=True),
         Column(heading="before", cells=[f"{g.before:.4g}" for g in tuning.gains]),

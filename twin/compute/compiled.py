@@ -30,6 +30,7 @@ from numba.core.sigutils import normalize_signature
 
 from twin.compute import waiting
 from twin.compute.kernel import Kernel, without_collection
+from twin.compute.numba_arrays import load_numba_arrays
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -119,7 +120,7 @@ def sources(file: Path) -> tuple[Path, ...]:
 
 @cache
 def imports(file: Path) -> frozenset[Path]:
-    """The files of our packages that a file's import statements name, wherever they stand in it.
+    """The files of our packages that a file's import statements name, anywhere in it.
 
     `from a.b import c` names a/b/c.py or, where c is no module, the file of a.b.
     """
@@ -184,14 +185,14 @@ def is_edited(file: Path) -> bool:
 
 
 class _Locator(InTreeCacheLocator):  # type: ignore[misc]  # numba has no types
-    """Tells numba the folder, which is the same for every copy of the same sources."""
+    """Gives numba the folder, which is the same for every copy of the same sources."""
 
     def __init__(self, function: Untyped, file: str) -> None:
         super().__init__(function, file)
         self._cache_path = str(folder(Path(file)))
 
     def get_source_stamp(self) -> str:
-        """Nothing: the folder's name tells one state of the sources from another."""
+        """Nothing: the folder's name identifies the state of the sources."""
         return ""
 
 
@@ -210,6 +211,7 @@ class _Cache(FunctionCache):  # type: ignore[misc]
         Two processes that compile the function for different types at the same moment may both
         write the first data file, and then the index gives one's types to the other's code.
         """
+        load_numba_arrays()
         try:
             found = super().load_overload(sig, target_context)
         except Exception:  # a damaged file: numba unpickles what it finds

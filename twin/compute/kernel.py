@@ -1,6 +1,6 @@
 """A compiled function that costs little to compile where only compiled functions call it.
 
-numba makes of every function all that could be asked of it: what Python calls it by, machine code
+numba makes everything of a function that could be needed: what Python calls it by, machine code
 of its own, and a place in its cache, once for each function. Nearly all functions of a law or a
 filter are called by compiled ones alone. Here such a function becomes code that is linked into its
 callers and optimised there. What Python itself calls is compiled as numba does it.
@@ -23,6 +23,8 @@ from numba.core.compiler_machinery import PassManager
 from numba.core.dispatcher import _FunctionCompiler  # type: ignore[attr-defined]
 from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
+
+from twin.compute.call_types import remembering
 
 Untyped: TypeAlias = Any
 """What is numba's own, which has no types."""
@@ -103,7 +105,7 @@ class _Compiler(_FunctionCompiler):  # type: ignore[misc]
         library = self.library(target.codegen(), self.py_func.__qualname__)
         library.enable_object_caching()
         result = compile_extra(
-            self.targetdescr.typing_context, target, self.py_func, args, return_type,
+            remembering(self.targetdescr.typing_context), target, self.py_func, args, return_type,
             self._customize_flags(flags), self.locals, library, _Passes,
         )  # fmt: skip
         if not flags.no_compile:  # of what is linked in, too

@@ -1,6 +1,6 @@
 """Say that functions are being compiled, when that takes long enough to be wondered about.
 
-Light to import: the command line sets who is told before anything is compiled.
+Light to import: the command line sets the listener before anything is compiled.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Told = Callable[[], None]
 
 @dataclass
 class _Watch:
-    """Counts the time in which any function is being compiled, and tells once."""
+    """Counts the time in which any function is being compiled, and reports it once."""
 
     told: Told
     started: dict[object, float] = field(default_factory=dict)
@@ -51,7 +51,7 @@ _watch: _Watch | None = None
 
 @contextmanager
 def told_of_compiling(told: Told) -> Iterator[None]:
-    """Whom to tell, once, when compiling inside the block takes longer than PATIENCE_S."""
+    """Listener, called once when compiling inside the block takes longer than PATIENCE_S."""
     global _watch
     before, _watch = _watch, _Watch(told)
     try:

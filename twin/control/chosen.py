@@ -1,4 +1,4 @@
-"""Controllers by name: a baseline, `module:Name` of one's own, or the file of a saved policy."""
+"""Controllers by name: a baseline, your own `module:Name`, or the file of a saved policy."""
 
 from __future__ import annotations
 

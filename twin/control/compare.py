@@ -94,9 +94,13 @@ def _part(progress: Callable[[float], None], i: int, count: int) -> Callable[[fl
 
 
 def rows(measured: Mapping[str, Mapping[str, Array]], against: Sequence[str] = ("pi",)) -> Rows:
-    """Means with their intervals, and the paired differences of each to some controllers.
+    """Means with 95 % intervals; then each controller's values minus those of some, by ground.
 
-    The interval stands in `low` and `high` of the row.
+    Each row has the ends of its interval as `low` and `high`.
+
+    Args:
+        measured: controller -> quantity -> values (grounds,).
+        against: controllers that are subtracted.
     """
     out = []
     for name, quantities in measured.items():

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from twin.env.levers import DEEPEST_M, RAISED_M, Number
 Array = NDArray[np.float64]
 Seen = Mapping[str, Array]
 Gain = float | Array
+
+State: TypeAlias = Any
+"""Whatever a controller keeps from one control step to the next."""
 
 MOST_RELIEF_M = 0.15
 """Most that a slip controller lifts the plough from its depth [m]."""
@@ -30,10 +33,10 @@ class Controller(Protocol):
     `seen` maps the name of each entry of the observation to its values (count,).
     """
 
-    def init(self, count: int) -> Any:
+    def init(self, count: int) -> State:
         """State before the first observation."""
 
-    def act(self, state: Any, seen: Seen, period_s: float) -> tuple[Any, Array]:
+    def act(self, state: State, seen: Seen, period_s: float) -> tuple[State, Array]:
         """New state and actions (count, 2) in [-1, 1]; `period_s` is the control step [s]."""
 
 

@@ -31,7 +31,7 @@ class Episode:
     """What it asked for, by the names of the actions."""
     reward: Array
     info: dict[str, Array]
-    """What `info` told after the step: true values, and the terms of the reward."""
+    """`info` after the step: true values, and the terms of the reward."""
     terminated: bool
     """Whether it ended in a stall."""
 

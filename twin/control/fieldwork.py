@@ -71,11 +71,11 @@ class FieldConstant:
 
 
 FIELD_BASELINES: dict[str, Controller] = {
-    "constant": FieldConstant(throttle=0.4, gear=0.5, mix=0.3, trim_m=-0.03),
+    "constant": FieldConstant(throttle=0.742, gear=0.66, mix=0.604, trim_m=-0.054),
     "pi": FieldPI(
-        throttle=0.381, gear=0.812, mix=0.288, slip_set=0.125, trim_m=-0.031, kp_m=0.835,
-        ki_mps=0.071,
+        throttle=0.493, gear=0.67, mix=0.151, slip_set=0.136, trim_m=-0.027, kp_m=1.38,
+        ki_mps=0.00524,
     ),
 }  # fmt: skip
-"""Gains of `pi` come from a random search like that of `twin.control.tune`, with fewer grounds;
-those of `constant` are chosen."""
+"""Gains found by `python -m twin.control.tune Plough-v1`; their mean rewards on its grounds are
+1.7971, 1.8686 in this order."""

@@ -15,9 +15,9 @@ from twin.env.fieldwork import COSTS
 Array = NDArray[np.float64]
 Known = Mapping[str, Array]
 Value = Callable[[Any, Known], Array]
-"""Of an environment's episodes and of what its infos tell, arrays (grounds,)."""
+"""Function of an environment's episodes and infos, arrays (grounds,), that gives (grounds,)."""
 LEAST = 1e-3
-"""What a mean is divided by at least."""
+"""Least divisor of a mean."""
 
 
 @dataclass(frozen=True)
@@ -41,21 +41,21 @@ class Measure:
         return np.stack(rows)
 
     def of(self, sums: Array, steps: int) -> Array:
-        """The measure of what was added in so many control steps, (grounds,)."""
+        """The measure from the sums over `steps` control steps, (grounds,)."""
         if self.per is not None:
             return np.asarray(sums[0] / np.maximum(sums[1], LEAST * steps))
         return np.asarray(np.sqrt(sums[0] / steps) if self.root else sums[0] / steps)
 
 
 def told(name: str) -> Value:
-    """What infos tell under a name."""
+    """Values of the infos under a name."""
     return lambda episodes, known: known[name]
 
 
 def squared(name: str, target: str | None = None) -> Value:
     """Its square, or that of its difference from an attribute of the episodes."""
 
-    def value(episodes: Any, known: Known) -> Array:
+    def value(episodes: Episodes, known: Known) -> Array:
         error = known[name] - (0.0 if target is None else getattr(episodes, target))
         return np.asarray(error**2)
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeAlias
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin import sensors
-from twin.control.controllers import Controller, Seen
+from twin.control.controllers import Controller, Seen, State
 from twin.env.episodes import Episodes, wanted
 from twin.env.observations import Entry
 from twin.errors import BadInput
@@ -33,7 +33,7 @@ MUST_HAVE = (
 
 @dataclass(frozen=True, kw_only=True)
 class ControllerSetup:
-    """What a controller of one tractor is told before it starts."""
+    """What a controller of one tractor gets before it starts."""
 
     environment: str
     """Where it drives: `Plough-v0`, say."""
@@ -44,16 +44,16 @@ class ControllerSetup:
     actions: tuple[str, ...]
     """Names of the actions, in order; each lies in [-1, 1]."""
     streams: Setup
-    """What an estimator is told: nominal wheel radii, wheelbase, rates and noise of the sensors."""
+    """Set-up of the estimators: nominal wheel radii, wheelbase, rates and noise of the sensors."""
 
 
 class OwnController(Protocol):
     """A controller of one tractor: `observation` maps the name of each entry to its value."""
 
-    def init(self, setup: ControllerSetup) -> Any:
+    def init(self, setup: ControllerSetup) -> State:
         """State before the first observation."""
 
-    def act(self, state: Any, observation: Mapping[str, float]) -> tuple[Any, Sequence[float]]:
+    def act(self, state: State, observation: Mapping[str, float]) -> tuple[State, Sequence[float]]:
         """New state, and a number in [-1, 1] for each action."""
 
 
@@ -62,7 +62,7 @@ AnyController: TypeAlias = Controller | OwnController
 
 
 def setup_of(episodes: Episodes) -> ControllerSetup:
-    """What the controllers of an environment are told."""
+    """Set-up of an environment's controllers."""
     machine = episodes.fleet.machine
     return ControllerSetup(
         environment=machine.scenario.name,
@@ -81,13 +81,13 @@ class OneByOne:
     setup: ControllerSetup
     name: str
 
-    def init(self, count: int) -> list[Any]:
+    def init(self, count: int) -> list[State]:
         """A state for each tractor."""
         return [self.controller.init(self.setup) for _ in range(count)]
 
-    def act(self, state: list[Any], seen: Seen, period_s: float) -> tuple[list[Any], Array]:
+    def act(self, state: list[State], seen: Seen, period_s: float) -> tuple[list[State], Array]:
         """One control step of each. Raises BadInput for what is not a state and an action."""
-        states, actions = list[Any](), []
+        states, actions = list[State](), []
         for own, *values in zip(state, *(column.tolist() for column in seen.values()), strict=True):
             given = self.controller.act(own, dict(zip(seen, values, strict=True)))
             new, action = pair(given, self.name)
@@ -102,7 +102,7 @@ def of_many(controller: AnyController, setup: ControllerSetup, name: str) -> Con
     Raises:
         BadInput: it lacks a method, or `act` takes another number of arguments.
     """
-    given: Any = controller
+    given: Thing = controller
     return OneByOne(given, setup, name) if drives_one(given, name) else given
 
 
@@ -128,7 +128,7 @@ def drives_one(controller: Thing, name: str) -> bool:
     raise BadInput(f"controller '{name}': act{signature} takes other arguments; {MUST_HAVE}")
 
 
-def started(controller: Controller, count: int, name: str) -> Any:
+def started(controller: Controller, count: int, name: str) -> State:
     """A controller's state before the first observation. Raises BadInput if it fails."""
     with failing(f"controller '{name}'", _written(controller)):
         return controller.init(count)
@@ -136,12 +136,12 @@ def started(controller: Controller, count: int, name: str) -> Any:
 
 def acted(
     controller: Controller,
-    state: Any,
+    state: State,
     names: Sequence[str],
     observation: NDArray[np.float32],
     setup: ControllerSetup,
     name: str,
-) -> tuple[Any, NDArray[np.float32]]:
+) -> tuple[State, NDArray[np.float32]]:
     """One control step of many tractors, checked.
 
     Args:
@@ -149,7 +149,7 @@ def acted(
         state: its own.
         names: of the observation's entries.
         observation: what is seen (count, entries).
-        setup: what it was told.
+        setup: given to its `init`.
         name: what messages call it.
 
     Returns:
@@ -165,7 +165,7 @@ def acted(
     return new, numbers(actions, observation.shape[:1], setup.actions, name).astype(np.float32)
 
 
-def pair(given: object, name: str) -> tuple[Any, Any]:
+def pair(given: object, name: str) -> tuple[State, object]:
     """A state and an action. Raises BadInput for what is not two things."""
     if not (isinstance(given, tuple) and len(given) == 2):
         raise BadInput(f"controller '{name}': act gives {given!r:.60}, not (state, action)")

@@ -103,15 +103,15 @@ class Task:
     reach: tuple[float, ...]
     """Most that is added to each action."""
     features: Callable[[Seen, Seen], list[Array]]
-    """What a policy sees; all of it stands in the observations "estimate" and "truth" alike."""
+    """Features that a policy sees, of entries that are in "estimate" and in "truth"."""
     size: int
-    """How many features there are."""
+    """Number of features."""
     slow: tuple[str, ...]
-    """What it also sees smoothed."""
+    """Entries that the policy also sees smoothed."""
 
 
 CALM = PI(throttle=0.939, trim_m=-0.0426, kp_m=0.8, ki_mps=0.035)
-"""A PI of about 0.2 times the tuned gain: it neither shakes the hitch nor lifts the plough further
+"""A PI of about 0.3 times the tuned gain: it neither shakes the hitch nor lifts the plough further
 on hopeless ground than a policy can put it down again."""
 
 TASKS = {

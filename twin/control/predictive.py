@@ -1,4 +1,4 @@
-"""Linear model predictive control of slip and depth, with the ground's friction estimated."""
+"""Linear model predictive control of slip and depth, with draft and pull of the soil estimated."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ HITCH_S, SLIP_S = 0.35, 0.25
 DEPTH_SCALE_M, SLIP_SCALE = 0.03, 0.05
 """Errors that cost 1."""
 SHALLOWEST_M, LEAST_SLIP = 0.08, 0.02
-"""Below these the ground tells nothing of its strength."""
+"""Below these, draft and pull are not estimated."""
 ITERATIONS = 25
 """Of the projected gradient."""
 
@@ -37,14 +37,16 @@ class Predicted(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class PredictiveSlip:
-    """Quadratic programme over the depth set points u of the next 1.5 s, the first of them applied.
+    """Quadratic programme over the depth set points u of the next 1.5 s, solved every 0.15 s.
 
         d' = (u - d) / 0.35 s      s' = (s(d) - s) / 0.25 s      s(d) = -ln(1 - c d / T) / k
         min sum ((s - s*) / 0.05)^2 w + ((d - d*) / 0.03 m)^2 + ((u - u_before) / 0.03 m)^2 r
         with d* - 0.15 m <= u <= d*, and s(d) linear about the depth now
 
-    c = draft / depth and T = draft / (1 - exp(-k s)), through low-passes, are the estimates of the
-    ground's draft and friction. Slip below its target costs nothing where the depth is reached.
+    d is the depth, s the slip, * a target, ' the time derivative, u_before the last set point. The
+    first u plus `trim_m` is applied. c = draft / depth [N/m] and T = draft / (1 - exp(-k s)), the
+    pull at large slip [N], are low-passed estimates. w is 0 where the measured slip is below
+    s* - 0.02, so slip that far below its target costs nothing.
     Source: Maciejowski 2002, Predictive Control with Constraints, chapters 2 and 3; thrust's form
     Brixius 1987.
     """

@@ -6,12 +6,12 @@ share = mean(reward - PI's) / mean(oracle's - PI's)          regret = 1 - share
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.compute.mean import Mean, mean
+from twin.env.grounds import Options
 from twin.io.result_rows import Row, Rows, row
 
 Array = NDArray[np.float64]
@@ -21,18 +21,18 @@ SHARE = "share of the headroom"
 ALL = "all"
 
 
-def patchy(ground: Mapping[str, Any]) -> str:
+def patchy(ground: Options) -> str:
     """Plough-v1: by the patches of weaker soil among the two soils."""
     return ("no patch", "one patch", "two patches")[min(2, len(ground["field.patches"]))]
 
 
-def steep(ground: Mapping[str, Any]) -> str:
+def steep(ground: Options) -> str:
     """WheelSlip-v1: by the cross slope."""
     degrees = abs(ground["field.cross_slope_deg"])
     return "below 5 deg" if degrees < 5.0 else "5 to 10 deg" if degrees < 10.0 else "above 10 deg"
 
 
-TIERS: dict[str, Callable[[Mapping[str, Any]], str]] = {"Plough-v1": patchy, "WheelSlip-v1": steep}
+TIERS: dict[str, Callable[[Options], str]] = {"Plough-v1": patchy, "WheelSlip-v1": steep}
 """Tier of difficulty of a ground, by environment."""
 
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.control import own
 from twin.control.baselines import BASELINES
+from twin.control.controllers import Controller
 from twin.control.fieldwork import FIELD_BASELINES
 from twin.control.judged import MEASURES
 from twin.control.own import AnyController, ControllerSetup
@@ -31,7 +31,7 @@ TRAINING, HELD_OUT = 10_000, 1_000_000
 """First seed of the grounds that may be tuned and trained on, and of those that compare."""
 ENTRY_S = 5.0
 """Time in which the plough enters; judged is what follows [s]."""
-ENVIRONMENTS: dict[str, tuple[Any, Any]] = {
+ENVIRONMENTS: dict[str, tuple[Callable[..., ManyEnv], Mapping[str, Controller]]] = {
     "Plough-v0": (PloughVectorEnv, BASELINES),
     "WheelSlip-v0": (WheelSlipVectorEnv, TORQUE_BASELINES),
     "Plough-v1": (PloughFieldVectorEnv, FIELD_BASELINES),
@@ -41,7 +41,7 @@ ENVIRONMENTS: dict[str, tuple[Any, Any]] = {
 
 
 def setup(environment: str, observation: str) -> ControllerSetup:
-    """What controllers of an environment are told, by its id and what they observe."""
+    """Set-up of an environment's controllers, by its id and its observation."""
     with closing(ENVIRONMENTS[environment][0](1, observation=observation)) as env:
         return own.setup_of(env.episodes)
 
@@ -56,8 +56,9 @@ def drive(
 ) -> dict[str, Array]:
     """One episode of a controller on each ground.
 
-    A stalled tractor stands for the rest of the time: it works nothing, and its errors are those
-    of standing in the furrow. Reward is the mean of all control steps, the rest after the entry.
+    A stalled tractor stands still for the rest of the time: it works nothing, and its errors are
+    those of standing in the furrow. The reward is the mean of all control steps; the other figures
+    begin after the entry.
 
     Args:
         env: as many tractors as grounds; its observations are what the controller sees.

@@ -1,9 +1,9 @@
 """Tune the baselines on training grounds by random search: `python -m twin.control.tune`.
 
 The same budget for each baseline of an environment, by the mean reward: rounds of candidates,
-uniform in a box, first of stated ranges, then half as wide around the best so far. Plough-v0: slip
-and depth as they are, so that a second is enough for a tractor's minute. WheelSlip-v0: as
-estimated, since gains that do well on the truth are unstable behind the estimator's lag.
+uniform in a box, first of stated ranges, then half as wide around the best so far. Plough-v0: true
+slip and depth, so that a second is enough for a tractor's minute. WheelSlip-v0: estimated ones,
+since gains that do well on the truth are unstable behind the estimator's lag.
 """
 
 from __future__ import annotations

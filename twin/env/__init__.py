@@ -1,14 +1,17 @@
 """Gymnasium environments of the twin; importing this package registers them.
 
-    env = gymnasium.make("twin.env:Plough-v0")
+    env = gymnasium.make("twin.env:Plough-v1")
     many = gymnasium.make_vec(
-        "twin.env:Plough-v0", num_envs=256, vectorization_mode="vector_entry_point"
+        "twin.env:Plough-v1", num_envs=256, vectorization_mode="vector_entry_point"
     )
 
-Plough-v1     throttle, gear and hitch of a ploughing tractor, for area and fuel within limits
-Plough-v0     throttle and hitch depth of a ploughing tractor, for slip, depth and work rate
-WheelSlip-v1  motors of both rear wheels, for speed and energy along a line across a slope
-WheelSlip-v0  torque of each rear wheel of an electric tractor that pulls, for slip and sideslip
+Plough-v1     actions: throttle, gear, depth, draft mix. Reward: area and fuel, within limits
+WheelSlip-v1  actions: torque or speed of both rear wheels. Reward: speed and energy, along a slope
+Plough-v0     superseded. Actions: throttle, depth. Reward: slip, depth and work rate at targets
+WheelSlip-v0  superseded. Actions: torque of both rear wheels. Reward: slip at a target, no sideslip
+
+The machine of Plough is a ploughing tractor, that of WheelSlip an electric one that tows a
+cultivator.
 
 Each is also registered in the namespace of the package: `twin.env:tractor_twin/Plough-v0`.
 """

@@ -57,15 +57,15 @@ def control(
     Args:
         work_rad: angle of the lower links that the actions ask for (nsim,).
         tasks, drivetrain, seen, drivers, pedals, controls: as `decide` has them.
-        qpos, userdata, world_from_ground, links: as `observe` has them.
-        qvel: velocities (nsim, nv), that of the `engine`'s shaft among them.
+        qpos, qvel, userdata, world_from_ground, links: as `observe` has them; qvel has the speed of
+            the `engine`'s shaft too.
         engine: where that is.
         engine_radps: written, the engines' speeds (nsim,).
         chosen, actuators: which of the controls go to which actuators.
         ctrl: written, the actuators' controls (nsim, nu).
         dt_s: the interval.
     """
-    observe(qpos, userdata, world_from_ground, links, seen)
+    observe(qpos, qvel, userdata, world_from_ground, links, seen)
     for i in range(len(tasks)):
         tasks[i].work_rad = work_rad[i]
         engine_radps[i] = drivetrain[i].gear_ratio * qvel[i, engine]
@@ -80,15 +80,17 @@ def moved(
     state: Array, warned: NDArray[np.int64], velocity: Array, standing_s: Array, dt_s: float,
     slow_mps: float,
 ) -> bool:  # fmt: skip
-    """Count how long each has stood; whether all went well, as `Simulation.refuse_failure` asks.
+    """Whether all states are finite and MuJoCo gave no warning; counts how long each has stood.
+
+    It returns at the first warning, and standing times of later tractors are then not counted.
 
     Args:
         state: the machines' states (nsim, nstate).
         warned: how often MuJoCo warned (nsim, kinds).
         velocity: of the rear axle (3, nsim) [m/s].
-        standing_s: read and written (nsim,).
-        dt_s: the interval.
-        slow_mps: below this a tractor stands.
+        standing_s: time that each has stood, read and written (nsim,) [s].
+        dt_s: the interval [s].
+        slow_mps: below this speed in space a tractor stands [m/s].
     """
     squares = 0.0
     for i in range(state.shape[0]):

@@ -42,7 +42,7 @@ def asked(observation: str, estimator: str, slip_target: float = 0.1) -> Estimat
 class Episodes:
     """Tractors, each in an episode of its own; nothing here knows of time limits.
 
-    What is asked of them stands in a subclass: machine, observations, reward, what is known.
+    A subclass gives machine, observations, reward and infos.
     """
 
     actions_named: tuple[str, ...]
@@ -52,7 +52,7 @@ class Episodes:
     derived: tuple[str, ...] = ()
     """What else is known, beside what is true."""
     known: tuple[str, ...]
-    """What infos tell, of the true and the derived."""
+    """Names of the infos: true and derived values."""
     task: tuple[str, ...]
     """What every observation ends with."""
 

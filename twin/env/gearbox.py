@@ -29,7 +29,7 @@ SAME_RATIO = 1e-6
 
 
 class Gearbox(NamedTuple):
-    """What turns a gear action into a ratio."""
+    """Numbers by which a gear action becomes a ratio."""
 
     longest: float
     """Least ratio that an action chooses: the fastest gear."""
@@ -41,7 +41,7 @@ class Gearbox(NamedTuple):
     rim_m: float
     """Radius of the driven tyres that rolls."""
     draft_npm: float
-    """Draft per depth that the draft control's lever stands for [N/m]."""
+    """Draft set point over depth set point of the hitch's lever [N/m]."""
 
 
 def asked_ratio(gear: float, box: Gearbox) -> float:
@@ -84,7 +84,7 @@ def set_field_levers(
 
         throttle   towards the action's, no faster than 1/s of its range
         ratio      d ln i/dt within 0.5/s; with gears the nearest of them, 1 s after the last shift
-        lever      angle of the lower links, with the draft D_0 = d depth that it stands for
+        lever      angle of the lower links, and the draft set point D_0 = d depth
         mix        (1 + action) / 2
 
     A change of ratio keeps the engine's speed, and the clutch slips until the axle's fits.

@@ -42,7 +42,7 @@ OPTIONS = (
     "field.patches",
     "field.origin_m",
 )
-"""What `reset`'s options may name; what is named is taken as it is, the rest is drawn."""
+"""Names of `reset`'s options: these values are taken, the others are drawn."""
 
 
 Options: TypeAlias = dict[str, Any]
@@ -56,7 +56,7 @@ class Recipe:
     presets: tuple[str, ...] = KINDS
     spread: Mapping[str, tuple[float, float]] = field(default_factory=lambda: SPREAD)
     law: str = "brixius"
-    """By which the soil carries and pulls."""
+    """Soil law: brixius or bekker."""
     heavier: tuple[float, float] | None = None
     """Range of the factor on the preset's draft in areas of heavier soil; None without areas."""
     steepest_deg: Mapping[str, float] = field(default_factory=lambda: STEEPEST_DEG)
@@ -122,7 +122,7 @@ class Ground:
     noise_seed: int
     """Seed of the sensors' errors."""
     law: str = "brixius"
-    """By which the soil carries and pulls."""
+    """Soil law: brixius or bekker."""
     other_preset: str | None = None
     """Soil of the other areas of the field; None where there are none."""
     other_own: Options = field(default_factory=dict)

@@ -96,7 +96,7 @@ def working(
         total = out[FIRST + 5, i] + out[FIRST + 6, i]
         for k in range(3):
             out[FIRST + 2 + k, i] = costs[k]
-            out[FIRST + 7 + k, i] = -reward.COST_PRICE * costs[k]
+            out[FIRST + 7 + k, i] = reward.kept(costs[k])
             total += out[FIRST + 7 + k, i]
         out[FIRST + 10, i] = total
 
@@ -119,7 +119,7 @@ def traction(ids: Ids, seen: Records, out: Array) -> None:
         total = out[FIRST + 3, i] + out[FIRST + 4, i]
         for k in range(2):
             out[FIRST + 1 + k, i] = costs[k]
-            out[FIRST + 5 + k, i] = -reward.COST_PRICE * costs[k]
+            out[FIRST + 5 + k, i] = reward.kept(costs[k])
             total += out[FIRST + 5 + k, i]
         out[FIRST + 7, i] = total
 

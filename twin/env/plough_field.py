@@ -51,7 +51,7 @@ class PloughFieldEnv(SingleEnv):
     |---|---|---|---|---|
     | 0 | throttle | 900 rpm | 2376 rpm | no-load engine speed that the governor holds; linear. The set point moves over its whole range in 1 s at the fastest (assumed) |
     | 1 | gear | 3 km/h | 15 km/h | speed without slip at the rated engine speed; linear in its logarithm. A transmission without steps changes the logarithm of its ratio by 0.5/s at most (assumed); one with gears takes the nearest, 1 s after its last shift at the earliest (assumed). The engine keeps its speed in a shift, and the clutch slips until the axle's fits |
-    | 2 | hitch | -0.10 m | 0.35 m | depth that the lever stands for; linear. With it the draft that the lever stands for, in proportion |
+    | 2 | hitch | -0.10 m | 0.35 m | depth set point of the lever; linear. Its draft set point is in proportion |
     | 3 | mix | position | draft | what the hitch's valve follows: the lever's position, the draft, or a mix of both; see `twin.simulation.driver.valve_radps` |
 
     The speeds of the throttle are the usual machine's; another has 1.125 of its idle speed and 0.99
@@ -91,13 +91,13 @@ class PloughFieldEnv(SingleEnv):
     |---|---|
     | work | v min(1, depth / target) / (7 km/h), v counted up to 10 km/h: the area rate over what 7 km/h make |
     | fuel | -(0.02 ha/L) fuel rate / (area rate at 7 km/h): 1.3 EUR/L over 65 EUR/h of machine and driver in about a hectare (assumed) |
-    | depth, slip, lugging | -0.5 of each cost |
+    | depth, slip, lugging | 0.5 (1 - cost) of each |
 
     7 and 10 km/h are the typical speed and the end of the range of ASABE D497 for mould-board
     ploughs. Each term is in `info` as `reward_<term>`, beside the costs, `slip`, `depth_m`,
     `speed_mps`, `draft_n`, `engine_radps`, `work_rate_haph`, `fuel_lph`, and after a reset the ground
-    by the names of the options below. A reward may be negative; a stall ends the episode, and with
-    it all that would still have been earned.
+    by the names of the options below. A stall ends the episode, and with it all that would still
+    have been earned: 1.5 within the limits, beside the work, and about 0 with spinning wheels.
 
     ## Start
 

@@ -29,7 +29,7 @@ REPORTED = {
     "engine_torque_nm": (len(WHEELS), MachineSlot.ENGINE_TORQUE_NM),
     "axle_torque_nm": (len(WHEELS), MachineSlot.AXLE_TORQUE_NM),
 }
-"""What the callback reports as it is: after how many wheels, and which slot of theirs."""
+"""Quantities that the callback reports unchanged: after how many wheels, and in which slot."""
 POWERS = ("draw_w", "axle_w", "traction_efficiency")
 TRUE = (*OWN, *REPORTED, *POWERS)
 """What `true` and `powers` write, one row for each."""

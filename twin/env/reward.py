@@ -1,4 +1,7 @@
-"""The reward: a sum of named terms, none of them negative, so that ending early never pays."""
+"""The reward: a sum of named terms, of which a stalled tractor gets none more.
+
+Those of v0 are never negative, and of v1 only fuel and energy are; so a stall does not pay.
+"""
 
 from __future__ import annotations
 
@@ -23,10 +26,10 @@ SIDESLIP_TOLERANCE_MPS = 0.05
 """Lateral speed of the rear axle at which half the term is left [m/s]."""
 
 WORKING = {"work": 1.0, "fuel": 0.02, "depth": 0.5, "slip": 0.5, "lugging": 0.5}
-"""Prices of Plough-v1: of the reference area rate; of a litre, in hectares; of each cost.
+"""Prices of Plough-v1: of the reference area rate; of a litre, in hectares; of each limit kept.
 65 EUR for the hour of machine and driver in which it works about a hectare, and
-1.3 EUR/L for diesel, assumed; the costs' are assumed."""
-FUEL_HA_PER_L, COST_PRICE = WORKING["fuel"], WORKING["depth"]
+1.3 EUR/L for diesel, assumed; the limits' are assumed."""
+FUEL_HA_PER_L, LIMIT_PRICE = WORKING["fuel"], WORKING["depth"]
 REFERENCE_MPS = 7.0 / 3.6
 """Speed at which the reference area rate is worked over the whole width, ASABE D497's typical."""
 MOST_MPS = 10.0 / 3.6
@@ -62,8 +65,18 @@ def working_costs(
     )
 
 
+@law
+def kept(cost: float) -> float:
+    """0.5 (1 - cost): what is earned at a limit, whole within it.
+
+    What a limit costs is not taken off instead: a stalled engine would then earn more, nothing,
+    than a tractor that works beyond its limits.
+    """
+    return LIMIT_PRICE * (1.0 - cost)
+
+
 TRACTION = {"work": 1.0, "energy": 0.001, "line": 0.5, "slip": 0.5}
-"""Prices of WheelSlip-v1: of the reference speed; of a watt; of each cost; assumed."""
+"""Prices of WheelSlip-v1: of the reference speed; of a watt; of each limit kept; assumed."""
 ENERGY_PER_W = TRACTION["energy"]
 TRACTION_MPS = 1.2
 """Speed that is worth 1 [m/s]."""

@@ -28,15 +28,16 @@ class EnvState:
     fleet: Mapping[str, NDArray[Any]]
     """Every array of the tractors, by name."""
     grounds: Mapping[int, Ground]
-    instruments: tuple[Mapping[str, Any], ...]
+    instruments: tuple[Mapping[str, object], ...]
     episodes: Mapping[str, NDArray[Any]]
-    own: Mapping[str, Any]
+    own: Mapping[str, object]
     """What the environment itself keeps: generators, counts, what was seen last."""
 
 
 class KeepsState(EzPickle):
     """An environment that can be saved, branched, pickled and copied within an episode."""
 
+    episodes: Episodes
     kept: tuple[str, ...]
     """Names of what changes in it beside its episodes."""
 
@@ -58,7 +59,7 @@ class KeepsState(EzPickle):
         self.set_state(made_of["state"])
 
 
-def _state_of(env: Any, kept: tuple[str, ...]) -> EnvState:
+def _state_of(env: KeepsState, kept: tuple[str, ...]) -> EnvState:
     """The state of an environment, copied.
 
     Args:
@@ -75,7 +76,7 @@ def _state_of(env: Any, kept: tuple[str, ...]) -> EnvState:
     )
 
 
-def _put_back(env: Any, state: EnvState) -> None:
+def _put_back(env: KeepsState, state: EnvState) -> None:
     """Put an environment of the same arguments into a state.
 
     Raises:
@@ -115,7 +116,7 @@ def _arrays(thing: object) -> dict[str, NDArray[Any]]:
     }
 
 
-def _looked(instruments: Instruments) -> Mapping[str, Any]:
+def _looked(instruments: Instruments) -> Mapping[str, object]:
     if not hasattr(instruments, "recorder"):  # never switched on
         return {}
     recorder = instruments.recorder
@@ -123,7 +124,7 @@ def _looked(instruments: Instruments) -> Mapping[str, Any]:
     return own | {name: deepcopy(getattr(recorder, name)) for name in RECORDED_WITH}
 
 
-def _look_again(instruments: Instruments, looked: Mapping[str, Any]) -> None:
+def _look_again(instruments: Instruments, looked: Mapping[str, object]) -> None:
     if not looked:
         return
     instruments.switch_on(0)

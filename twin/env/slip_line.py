@@ -86,7 +86,7 @@ class SlipLineEnv(SingleEnv):
     |---|---|
     | work | v / (1.2 m/s) |
     | energy | -P / (1 kW), with the power P of both motors where it is positive |
-    | line, slip | -0.5 of each cost |
+    | line, slip | 0.5 (1 - cost) of each |
 
     The prices are assumed; with these the best speed lies between 1.0 m/s with a heavy draft and
     1.6 m/s with a light one. Each term is in `info` as `reward_<term>`, beside the costs, `slip`, `slip_rl`,

@@ -1,4 +1,4 @@
-"""The tractors of a fleet as they are drawn, each on its own field with what it has ploughed."""
+"""The drawn tractors of a fleet, each on its own field with what it has ploughed."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Staging:
         self.last_s_m: dict[int, float] = {}
 
     def set(self, fleet: Fleet, i: int) -> Stage:
-        """The stage with one of the tractors on it, as it is now."""
+        """The stage with one of the tractors in its present state."""
         rotation, qpos = fleet.world_from_ground[i], fleet.qpos[i]
         s_m, t_m = (qpos[:3] @ rotation)[:2].tolist()
         field = fleet.blocks[i, block.FIELD : block.FIELD + Field.SIZE]

@@ -1,6 +1,6 @@
 """Unit, frame and meaning of every column of streams, truth and estimates.
 
-The names of streams and estimates stand in `twin.streams`, those of the truth in `twin.truth`; a
+The names of streams and estimates are in `twin.streams`, those of the truth in `twin.truth`; a
 test compares all of them with these tables. `docs/columns.md` is written from here.
 
 Frames: `world` is east, north, up; `body` is forward, left, up from the rear-axle centre; `ground`
@@ -38,7 +38,7 @@ STAMPS: Columns = {
 
 
 def _each_wheel(name: str, unit: str, frame: str, meaning: str) -> Columns:
-    """One column for each wheel; `{}` stands for the wheel in the name and in the meaning."""
+    """One column for each wheel; `{}` is the wheel in the name and in the meaning."""
     return {
         name.format(short): Column(unit, frame, meaning.format(long))
         for short, long in WHEEL_NAMES.items()
@@ -63,15 +63,15 @@ STREAMS: dict[str, Columns] = {
         "satellites_main": Column("count", "-", "satellites that the main antenna uses, int64"),
         "satellites_aux": Column("count", "-", "satellites that the second antenna uses, int64"),
         "position_sd_m": Column(
-            "m", "world", "standard deviation of the position that the receiver reports, each "
+            "m", "world", "standard deviation that the receiver reports for its position, each "
             "horizontal axis"
         ),
         "velocity_sd_mps": Column(
-            "m/s", "world", "standard deviation of the velocity that the receiver reports, each "
+            "m/s", "world", "standard deviation that the receiver reports for its velocity, each "
             "horizontal axis"
         ),
         "heading_sd_rad": Column(
-            "rad", "world", "standard deviation of the heading that the receiver reports"
+            "rad", "world", "standard deviation that the receiver reports for its heading"
         ),
     },
     "imu": {
@@ -191,7 +191,8 @@ _POWERS = {
     "joint": "power lost in the damping of joints",
     "lift": "power that the lift takes from the linkage",
     "steer": "power that the steering takes from the front wheels",
-    "mass": "power that mass brings in as tanks are filled, counted negative; or takes along",
+    "mass": "energy flow of added mass: negative while a tank is filled, positive while it is "
+    "emptied",
     "contact": "power lost at MuJoCo's own contacts and joint limits",
     "step": "energy error of the time integration, which halves with the step",
 }
@@ -223,7 +224,8 @@ TRUTH: Columns = {
         "rad", "ground", "sideslip angle at the centre of gravity, NaN below 0.05 m/s"
     ),
     "sideslip_m": Column(
-        "m", "ground", "sideslip amount at the centre of gravity: integral of `v_y_mps`"
+        "m", "ground", "sideslip amount at the centre of gravity: integral of `v_y_mps` since the "
+        "start of the run"
     ),
     "v_x_rear_mps": Column("m/s", "ground", "velocity of the rear-axle centre, forward"),
     "v_y_rear_mps": Column("m/s", "ground", "velocity of the rear-axle centre, to the left"),
@@ -231,7 +233,8 @@ TRUTH: Columns = {
         "rad", "ground", "sideslip angle at the rear-axle centre, NaN below 0.05 m/s"
     ),
     "sideslip_rear_m": Column(
-        "m", "ground", "sideslip amount at the rear-axle centre: integral of `v_y_rear_mps`"
+        "m", "ground", "sideslip amount at the rear-axle centre: integral of `v_y_rear_mps` since "
+        "the start of the run"
     ),
     "yaw_rate_radps": Column("rad/s", "ground", "yaw rate about the ground's normal"),
     "speed_mps": Column("m/s", "ground", "forward speed, the same as `v_x_rear_mps`"),
@@ -241,7 +244,8 @@ TRUTH: Columns = {
     **_each_wheel("load_{}_n", "N", "ground", "load on the {} wheel, normal to the ground"),
     **_each_wheel(
         "shear_{}_n", "N", "ground",
-        "shear force on the {} wheel along its rolling direction, forward positive"
+        "thrust by slip of the {} wheel, along its rolling direction, forward positive; motion "
+        "resistance is not subtracted"
     ),
     "draft_n": Column(
         "N", "ground",

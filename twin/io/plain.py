@@ -16,7 +16,7 @@ from twin.errors import BadInput
 
 T = TypeVar("T")
 Plain: TypeAlias = Any
-"""A value of a JSON file, or what it stands for; also of a foreign library without types."""
+"""A value of a JSON file, or one that `to_plain` turns into one; also of an untyped library."""
 
 
 def to_plain(value: Plain) -> Plain:

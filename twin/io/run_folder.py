@@ -1,9 +1,11 @@
 """A run as a folder, complete or not there at all.
 
-    scenario.json  streams/setup.json  streams/<sensor>.parquet  truth.parquet
-    estimates.parquet (long: column `estimator`)  scores.json  [report.html  run.rrd]
+    scenario.json (null for a log)  streams/setup.json  streams/<sensor>.parquet  [truth.parquet]
+    estimates.parquet (one row per estimator and time)  scores.json  [report.html  run.rrd]
 
-Everything is written into a hidden sibling and renamed when complete. Nothing is ever unpickled.
+Files in brackets may be absent; truth is absent for a log without a reference. All files are
+written into a hidden folder beside the target, which is renamed when it is complete. Nothing is
+ever unpickled.
 """
 
 from __future__ import annotations

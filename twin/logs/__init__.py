@@ -64,7 +64,7 @@ def read(
         paths: the log, or the files it is in.
         column_map: TOML that says which column is what; tables need one, other files may say it
             themselves, a run folder takes none.
-        reader: what reads it; None tells the kinds of files apart by what is in them.
+        reader: what reads it; None finds the kind of each file from its content.
         strict: refuse a log with a single bad row.
         offset_s: file name -> how far its clock is ahead of the first file's [s].
 
@@ -116,7 +116,7 @@ def found_in_all(
 
 
 def _by(reader: Reader, reads: Callable[[], _Read]) -> _Read:
-    """What a reader gives; the fault of a user's own is told with its line."""
+    """Result of a reader; the error of a user's own reader names its line."""
     if reader in READERS.values():
         return reads()
     with failing(f"the reader of {reader.name} logs", reader):
@@ -176,7 +176,7 @@ def _told_apart(files: Sequence[Path]) -> dict[str, Path]:
 
 
 def _named(path: Path, reader: Callable[[Path], _Read]) -> _Read:
-    """What `reader` makes of `path`; a refusal is one line that begins with the path."""
+    """Result of `reader` for `path`; an error is one line that begins with the path."""
     try:
         return reader(path)
     except (BadInput, UnknownName) as error:

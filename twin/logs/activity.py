@@ -34,7 +34,7 @@ SMOOTHING_S = 5.0
 
 @dataclass(frozen=True)
 class Pull:
-    """A measured quantity that tells work from driving empty."""
+    """A measured quantity that separates work from driving empty."""
 
     column: str
     name: str
@@ -42,7 +42,7 @@ class Pull:
     scale: float
     """Unit of the text in SI."""
     least: float
-    """Means of work and of the rest that are nearer than this tell nothing [SI]."""
+    """Least difference of the means of work and of the rest [SI]."""
     lowered: bool = False
     """Whether work is where it is small."""
 
@@ -63,17 +63,17 @@ class Activity:
     code: NDArray[np.int64]
     """Index into ACTIVITIES, or UNKNOWN. Shape (n,)."""
     rule: str
-    """How it was told, in words."""
+    """The rule that found the activities, in words."""
 
     def __getitem__(self, activity: int) -> NDArray[np.bool_]:
         return np.asarray(self.code == activity)
 
 
 def activity(rows: Table, no_work_ns: Sequence[tuple[int, int]] = ()) -> Activity:
-    """Tell working, turning, road and standing apart.
+    """Working, turning, road and standing, row by row.
 
     Standing: below 0.2 m/s. Working: at most 15 km/h, in no curve narrower than 25 m, and loaded,
-    where draft, hitch, torque or engine load tell loaded from empty (two groups by Otsu's
+    where draft, hitch, torque or engine load fall into loaded and empty (two groups by Otsu's
     threshold); at least 10 s. Turning: a narrower curve, or at most 120 s between two stretches of
     work. What else moves is road, or driving empty.
 
@@ -126,7 +126,7 @@ def _curved(rows: Table, speed: Array) -> NDArray[np.bool_]:
 
 
 def _loaded(rows: Table, moving: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], str]:
-    """Rows under load, and how they were told; all rows where nothing tells."""
+    """Rows under load, and the rule that found them; all rows where there is none."""
     for pull in PULLS:
         if pull.column not in rows:
             continue

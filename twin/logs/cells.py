@@ -139,5 +139,5 @@ def labels(name: str, cells: Cells) -> NDArray[np.str_]:
 
 
 def cell_text(cells: Cells, row: int) -> str:
-    """A cell as it stands in the log."""
+    """The text of a cell."""
     return cells.at(row) if isinstance(cells, Text) else str(cells[row])

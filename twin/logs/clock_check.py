@@ -14,7 +14,7 @@ MARGIN_S = 2.0
 """Standing before and after a start and stop that counts with it."""
 SMOOTHING_S = 0.3
 LOCKED_SHARE = 0.25
-"""Wheels that differ by more of the top speed from the law lock or spin, and tell no lag."""
+"""Wheels that differ by more of the top speed from the law lock or spin, and give no lag."""
 FEWEST = 6
 """Fewest samples of GNSS in a start and stop."""
 _GRID_S = 0.05

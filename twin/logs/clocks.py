@@ -27,7 +27,7 @@ GRID = 1 << 18
 """Most samples of a grid."""
 FINE_S = 2.0
 AGREE_SD = 3.0
-"""Offsets within so many sd of zero are none."""
+"""Offsets of less than this many standard deviations count as zero."""
 _NORMAL_95 = 1.96
 
 

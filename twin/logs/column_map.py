@@ -15,7 +15,7 @@
     [setup]      machine, wheelbase_m, ...; [setup.gnss], ... as in `twin.streams.Setup`
 
 Every quantity may have scale and offset (value = scale x cell + offset, in its unit), sign = -1,
-and missing = [...], cells that stand for no value. A section may have a time of its own, as
+and missing = [...], cells that mean no value. A section may have a time of its own, as
 [log] has. An angle is in the compass's sense (clockwise from north) unless its `convention` is
 "east", the counter-clockwise from east that the streams use.
 """
@@ -59,7 +59,7 @@ class Source:
     offset: float = 0.0
     """In the unit: value = sign (scale x cell + offset)."""
     missing: tuple[float, ...] = ()
-    """Cells that stand for no value."""
+    """Cells that mean no value."""
     layout: str = ""
     """Of a timestamp, as strftime writes it."""
     more: tuple[str, ...] = ()

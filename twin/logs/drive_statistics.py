@@ -1,7 +1,6 @@
-"""What tells one drive from another at a glance: how its speeds change, how often it stops.
+"""Statistics by which two drives are compared: how speeds and slip change, how often it stops.
 
-Both a log and a simulated day are taken at one sample a second, as a logger of a machine's bus
-writes them.
+A log and a simulated day are both sampled at 1 Hz, as a logger of a machine's bus writes them.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from twin.streams import Array
 STANDS_MPS = 0.05
 """Slower than this a machine stands."""
 MOVES_MPS = 0.5
-"""Slip is looked at where wheels or ground move faster than this."""
+"""Slip counts only where wheel or ground speed is above this."""
 RUNS_RPM = 100.0
 """Faster than this an engine runs."""
 STEPS_S = (1, 20)
@@ -24,17 +23,24 @@ STEPS_S = (1, 20)
 def drive_statistics(
     wheel_mps: Array, ground_mps: Array, engine_rpm: Array, *, engine_on: bool = False
 ) -> dict[str, float]:
-    """Changes of wheel speed, engine speed and slip over 1 s and 20 s; standing, stops.
+    """Changes of wheel speed, engine speed and slip over 1 s and 20 s; standing time and stops.
 
-        rms = sqrt(mean d**2)      mad = median |d - median d|      d = x(t + n) - x(t)
+        slip = (wheel - ground) / max(wheel, ground)    only where that maximum is above 0.5 m/s
+        rms = sqrt(mean d**2)      mad = median |d - median d|      d = x[i + n] - x[i]
 
-    A stop is a second below 0.05 m/s after one above.
+    x is one of the three signals and n is 1 or 20 samples. A stop is a sample with a wheel speed
+    below 0.05 m/s that follows a sample at or above it.
 
     Args:
-        wheel_mps: w R of the driven axle without a sign, R so that slip is zero without load.
-        ground_mps: speed over the ground without a sign.
-        engine_rpm: engine speed. All of them at 1 Hz, shape (n,).
-        engine_on: look only at the time when the engine runs.
+        wheel_mps: |w| R of the driven axle, with the R that makes slip zero without load. Shape
+            (samples,), at 1 Hz, as the other two.
+        ground_mps: speed over the ground, without a sign.
+        engine_rpm: engine speed.
+        engine_on: count only samples with an engine speed above 100 rpm.
+
+    Returns:
+        `wheel_mps_rms_1s` and the like of each signal [m/s, rpm, 1]; `standing`, share of the
+        samples with a wheel speed below 0.05 m/s [1]; `stops_per_h` [1/h].
     """
     wheel_mps, ground_mps = np.asarray(wheel_mps, float), np.asarray(ground_mps, float)
     looked_at = engine_rpm > RUNS_RPM if engine_on else np.ones(len(wheel_mps), bool)
@@ -50,10 +56,10 @@ def drive_statistics(
             change = change[np.isfinite(change)]
             found[f"{name}_rms_{step}s"] = float(np.sqrt(np.mean(change**2)))
             found[f"{name}_mad_{step}s"] = float(np.median(np.abs(change - np.median(change))))
-    stands = (wheel_mps < STANDS_MPS) & looked_at
+    stands = wheel_mps < STANDS_MPS
     hours = looked_at.sum() / 3600.0
-    found["standing"] = float(stands.sum() / looked_at.sum())
-    found["stops_per_h"] = float(np.sum(np.diff(stands.astype(int)) == 1) / hours)
+    found["standing"] = float((stands & looked_at).sum() / looked_at.sum())
+    found["stops_per_h"] = float(np.sum(stands[1:] & ~stands[:-1] & looked_at[1:]) / hours)
     return found
 
 

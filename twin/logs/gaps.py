@@ -1,4 +1,4 @@
-"""Gaps in time: found and told, never filled."""
+"""Gaps in time: found and reported, never filled."""
 
 from __future__ import annotations
 

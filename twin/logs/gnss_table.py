@@ -41,7 +41,7 @@ def gnss_table(
     Args:
         values: the columns, SI.
         epoch_ns: their times.
-        told: takes notes and losses.
+        told: notes and losses, added to.
         given: the geodetic origin [deg, deg, m]; None for the first fix.
         mount_rad: from the body to the antenna baseline, whose heading is measured.
 

@@ -1,4 +1,4 @@
-"""What a reader of logs hands on."""
+"""Result of a reader of logs."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ class Loss:
     says: str
     """What is wrong with the first."""
     checked: bool = False
-    """Whether a checksum told them, or a clock that was set: then any number may be lost, unless
+    """Whether a checksum found them, or a clock that was set: then any number may be lost, unless
     the reading is strict."""
 
 

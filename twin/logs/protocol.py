@@ -280,7 +280,7 @@ def _passes(motion: _Motion, near: NDArray[np.bool_]) -> tuple[list[Run], list[R
 
 
 def without_pull(rows: Table, run: Run) -> bool | None:
-    """Whether draft, hitch or engine load show a stretch to be without pull; None if none tells."""
+    """Whether draft, hitch or engine load show a stretch without pull; None if none is measured."""
     part = slice(*run)
     if "draft_pin_n" in rows:
         level = float(np.nanquantile(np.abs(rows["draft_pin_n"]), 0.95))

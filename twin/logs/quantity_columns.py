@@ -22,7 +22,7 @@ from twin.logs.units import UNITS, WHEEL_RATES
 from twin.streams import Array
 
 ANGLE_COUNTS = 10_000
-"""Counts of a turn where a wheel's angle stands for its counts and the set-up has no number."""
+"""Counts of a turn where a wheel's angle is turned into counts and the set-up has no number."""
 _FRD = {"gyro_y", "gyro_z", "accel_y", "accel_z"}
 """What turns its sign between forward, right, down and forward, left, up."""
 
@@ -52,7 +52,7 @@ def si_values(
         signal: the column, or its rows that have a time.
         at: number in the log of each of its rows.
         columns_of: the map.
-        told: takes the notes and the losses.
+        told: notes and losses, added to.
     """
     quantity, name = QUANTITIES[section][key], source.column
     fastest_kmh = columns_of.reading.fastest_kmh

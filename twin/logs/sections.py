@@ -138,9 +138,23 @@ def section_table(
     columns_of: ColumnMap,
     told: Told,
 ) -> Table:
-    """SI columns of a section at the times of its first signal.
+    """SI columns of a section of the map, at the times of its first signal.
 
-    Numbers that count, and labels, are held; all others are interpolated linearly, except in gaps.
+    Other signals are brought to these times: quality, numbers of satellites and direction keep
+    their last value, all others are interpolated linearly, except in gaps. Ticks must have these
+    times already. Rows that a slower source carried forward are then left out, and single spikes
+    become NaN.
+
+    Args:
+        section: "gnss", "wheels" and so on.
+        sources: key of the map -> the column that it names.
+        files: the columns of every file.
+        columns_of: the map.
+        told: notes and assumptions, added to.
+
+    Raises:
+        BadInput: a column is missing or in several files, a value's unit is unknown, or ticks have
+            other times.
     """
     table: Table = {}
     moved: list[str] = []
@@ -210,7 +224,7 @@ def _drop_spikes(
 
 
 def _judged_by(key: str, table: Table) -> tuple[str, ...]:
-    """The columns in which a spike shows: a velocity turns, and only its size tells."""
+    """The columns in which a spike shows: a velocity turns, so only its size shows a spike."""
     if key == "v_east":
         columns: tuple[str, ...] = ("v_east_mps", "v_north_mps")
     elif key in ("east", "north"):

@@ -38,7 +38,7 @@ ASSUMED: dict[str, dict[str, object]] = {
     },
     "depth": {"rate_hz": 20.0, "zero_m": 1.0, "laser_sd_m": 0.005},
 }
-"""What stands in for a value nobody gave (a 100 kW standard tractor, a stand-alone receiver, an
+"""Defaults of values that nobody gave (a 100 kW standard tractor, a stand-alone receiver, an
 industrial MEMS IMU); a log's notes name every one that was used."""
 
 _POSITIVE = ("wheelbase_m", "track_front_m", "track_rear_m", "rate_hz", "counts_per_turn")
@@ -71,7 +71,7 @@ def _made(kind: type[Block], values: Mapping[str, object]) -> Block:
 
 
 def _own(where: str, raw: object) -> OwnSetup:
-    """The block of a sensor of one's own, of which only its maker knows what it holds."""
+    """The block of a user's own sensor; its values are not checked."""
     try:
         return own_setup({k: table_of(f"{where}.{k}", v) for k, v in table_of(where, raw).items()})
     except TypeError as error:
@@ -79,14 +79,14 @@ def _own(where: str, raw: object) -> OwnSetup:
 
 
 def table_of(where: str, raw: object) -> Mapping[str, object]:
-    """What stands under a key, if it is a table. Raises BadInput."""
+    """Value of a key, if it is a table. Raises BadInput."""
     if not isinstance(raw, Mapping):
         raise BadInput(f"[{where}] must be a table of values")
     return raw
 
 
 def assumed_names(raw: Mapping[str, object], sensors: tuple[str, ...]) -> tuple[str, ...]:
-    """The values of ASSUMED that stand in for what `raw` does not give, as `name = value`."""
+    """The values of ASSUMED that `raw` does not give, as `name = value`."""
     names = [_said(k, v) for k, v in ASSUMED[""].items() if k not in raw]
     for sensor in sensors:
         given = table_of(f"setup.{sensor}", raw.get(sensor, {}))

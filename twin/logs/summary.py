@@ -28,7 +28,7 @@ MOST_STRETCHES = 5
 RPM = 30.0 / np.pi
 _M2_PER_HA = 1e4
 _SHARE_KNOWN = 0.5
-"""A total is told where at least this share of its time is known."""
+"""A total is given where at least this share of its time is known."""
 
 Number = float | None
 Rows = NDArray[np.bool_]

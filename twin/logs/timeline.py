@@ -1,7 +1,7 @@
 """A drive as one table of about a row a second: what reports and comparisons of drives are made of.
 
-Sensors differ in rate and phase. Here every quantity stands in the same rows, with the time that a
-row stands for, so that means and totals weigh time and not samples.
+Sensors differ in rate and phase. Here every quantity has the same rows, each with its duration, so
+that means and totals weigh time and not samples.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def timeline(streams: Streams, estimate: Table | None = None) -> Table:
         estimate: an estimator's table, whose slip and speed come along.
 
     Returns:
-        epoch_ns, duration_s (the time a row stands for) and, where known, east_m, north_m,
+        epoch_ns, duration_s (of each row) and, where known, east_m, north_m,
         speed_mps (ground), wheel_speed_mps, yaw_rate_radps, slip, slip_sd, and those of MACHINE.
     """
     epoch_ns = _epochs(streams, estimate)

@@ -25,7 +25,7 @@ UNITS: dict[str, dict[str, float]] = {
     "count": {"1": 1.0, "counts": 1.0},
     "fuel rate": {"L/h": 1.0, "mL/s": 3.6, "mL/min": 0.06, "gal/h": 3.785411784},
 }  # fmt: skip
-"""Dimension -> unit -> factor to SI (litres per hour stay as they are). Exact by definition:
+"""Dimension -> unit -> factor to SI (litres per hour stay L/h). Exact by definition:
 knot and mile per hour by the international nautical and statute mile, g by CGPM 1901, the pound by
 the international yard and pound agreement of 1959, the gallon of the United States."""
 WHEEL_RATES = UNITS["angular rate"]

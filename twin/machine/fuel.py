@@ -47,7 +47,7 @@ def fuel_lph(
         rate_radps: speed of the engine.
 
     Source: ASABE D497.7 after Grisso, Kocher and Vaughan 2004, Appl. Eng. Agric. 20(5):553. The
-    printed page was not seen. The constants are recalled; one transcription of the standard has
+    printed page was not seen. The constants are from memory; one transcription of the standard has
     the same, (0.22 X + 0.096) P (1 - (n - 1) (0.45 X - 0.877)) with n = w / w_r in [0.5, 1].
     """
     power_w, radps = np.asarray(crank_power_w, np.float64), np.asarray(rate_radps, np.float64)

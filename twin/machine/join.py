@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+from pathlib import Path
+
 import mujoco
 
 from twin.errors import BadInput
@@ -40,6 +43,13 @@ def _read(part: Machine | Implement) -> mujoco.MjSpec | None:
     path = mjcf_path(part)
     if path is None:
         return None
+    stamps = tuple(p.stat().st_mtime_ns for p in sorted(path.parent.glob("*.xml")))
+    return _parsed(path, stamps).copy()
+
+
+@lru_cache(maxsize=8)
+def _parsed(path: Path, stamps: tuple[int, ...]) -> mujoco.MjSpec:
+    """A MJCF as it was at these times of it and its neighbours: parsing takes 50 ms, a copy 0.4."""
     try:
         return mujoco.MjSpec.from_file(str(path))
     except ValueError as error:

@@ -19,12 +19,12 @@ def turn_over(spec: Any, plough: Plough, numbers: dict[str, float]) -> None:
 
     A model stands as it works with the furrow on the left. The operator has shifted it so that the
     first body meets the wall, which is nearer to the line the deeper the furrow. Where the soil's
-    forces act and what is drawn there move together: they stand in one frame. For a furrow on the
+    forces act and what is drawn there move together: they are in one frame. For a furrow on the
     right the drawn part is also turned over by half a turn about its axis.
 
     Args:
         spec: mujoco.MjSpec of a tractor with its plough; frames `aside.` and `turned.` are moved
-            where there are any, and sites `share_` that stand in none.
+            where there are any, and sites `share_` that are in none.
         plough: which side, and how deep.
         numbers: the models' <numeric> values.
     """
@@ -45,6 +45,6 @@ def turn_over(spec: Any, plough: Plough, numbers: dict[str, float]) -> None:
 
 
 def _inside(site: Any, name: str) -> bool:
-    """Whether a site stands in a frame whose name begins so."""
+    """Whether a site is in a frame whose name begins so."""
     frame = site.frame
     return frame is not None and frame.name.startswith(name)

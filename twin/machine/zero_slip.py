@@ -8,7 +8,7 @@ surface or on the field. Slip by the radius R' is
 
 and R' / R follows from the law's own slip s_0 in that state, under the loads of the bare tractor
 standing level: v = w R', so R' / R = 1 - s_0 where it drives and 1 / (1 + s_0) where it is towed.
-Source: ASABE S296, zero conditions, as recalled.
+Source: ASABE S296, zero conditions, from memory.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from twin.scenario import Soil as Ground
 
 Array = NDArray[np.float64]
 HARD = "asphalt"
-"""Preset that stands for a hard surface."""
+"""Preset of the hard surface."""
 REACH = 0.2
 """Slip within which the zero lies."""
 

@@ -1,15 +1,17 @@
 """Bekker-Wong pressure-sinkage with Janosi-Hanamoto shear, integrated along the contact arc.
 
 Angles are measured from the vertical under the hub, positive ahead: the wheel meets the soil at
-theta_1 and leaves it at 0. All displacements are made dimensionless by their shear moduli.
+theta_1 and leaves it at 0. Shear displacements are divided by the shear deformation moduli K_x and
+K_y [m]; sinkage stays in m.
 
 Sources: Bekker 1969, Introduction to Terrain-Vehicle Systems; Janosi & Hanamoto 1961; Wong & Reece
-1967, J. Terramechanics 4(1):81 and 4(2):7; Bolling 1987 for the larger circle of a flexible tyre;
+1967, J. Terramechanics 4(1):81 and 4(2):7; Bolling 1987 for the larger rigid wheel that replaces a
+flexible tyre;
 Wong 2008, Theory of Ground Vehicles, chapter 2, for all of these. Lyasko 2010, J. Terramechanics
 47(1):21 for slip sinkage; Ishigami, Nagatani & Yoshida 2007, J. Field Robotics 24(3):233 for the
 side force as shear and bulldozing.
 
-One module, because the integrals over the arc share their quadrature and their derivation.
+One module, because all integrals over the arc use the same stresses and the same kind of rule.
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ from twin.physics.shapes import Array
 RIGID_NPM = 1e8
 """A wheel stiffer than this is rigid [N/m]; a tractor's tyre has 2e5 to 7e5."""
 DEEPEST = 0.9
-"""Greatest sinkage over the radius of the wheel or of its larger circle."""
+"""Greatest sinkage over the radius of the wheel."""
 ITERATIONS = 2
 """Corrections of the sinkage before the forces are taken."""
 STEEPEST_SKID = -0.99
@@ -85,14 +87,14 @@ def hard_deflection_m(wheel: Array, load_n: float) -> float:
 
 @law
 def circle(wheel: Array, deflection_m: float, sinkage_m: float) -> tuple[float, float]:
-    """Radius of the rigid wheel that stands for a flexible tyre, and its entry angle.
+    """Radius [m] of the rigid wheel that replaces a flexible tyre, and its entry angle [rad].
 
         D* / D  = (sqrt(1 + f / z) + sqrt(f / z))**2
         theta_1 = acos(1 - z / r*)
 
     The circle with the tyre's sinkage z and, as chords of a flat arc, the tyre's contact length:
     sqrt(D (z + f)) ahead of the hub and sqrt(D f) behind it. Bolling 1987. A rigid wheel (f = 0)
-    stands for itself.
+    keeps its radius.
     """
     f, z = deflection_m, sinkage_m
     radius = 0.5 * wheel[Wheel.DIAMETER_M]
@@ -301,9 +303,11 @@ def sinkage_m(
 
 @law
 def drift(slip: float, side_slip: float) -> float:
-    """Travel sideways over travel ahead, the tangent of the slip angle: s_y / (1 - |s|).
+    """Travel sideways over travel ahead: s_y / max(1 - |s|, 0.01).
 
-    That of a driven wheel; a skidding one is given the same, so that the law stays odd.
+    For a driven wheel (s >= 0) this is -v_y / v_x, the tangent of the slip angle, positive when the
+    wheel slides to its right. A skidding wheel uses the same formula, so that (-s, -s_y) gives the
+    opposite force of (s, s_y).
     """
     return side_slip / max(1.0 - abs(slip), LEAST_TRAVEL)
 

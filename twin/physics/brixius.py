@@ -36,7 +36,7 @@ def brixius(
         M_h   = N (m / Bn + 0.5 |s| / sqrt(Bn))
         M_r   = N c0
 
-    so that gross traction is (F_x + M_r) / N, net traction (F_x - M_h) / N: c0 stands in both of
+    so that gross traction is (F_x + M_r) / N, net traction (F_x - M_h) / N: c0 is in both of
     the source's ratios, therefore as a moment on the wheel and not as a pull. k, c0 and m are the
     soil's for a bias tyre; a radial one changes them, to 9.5 / 7.5, 0.0325 / 0.04 and 0.9 of them.
 

@@ -1,7 +1,7 @@
 """The laws as MuJoCo callbacks: they act in mj_step, rollouts, batches and the viewer alike.
 
 `mjcb_passive` adds the ground's forces on wheels and plough, the engine and the brakes, and
-reports in `userdata`; `mjcb_act_dyn` hands on the rates of the tyres' deflections, which are MuJoCo
+reports in `userdata`; `mjcb_act_dyn` gives the rates of the tyres' deflections, which are MuJoCo
 activations. A model without our parameter block is left alone.
 """
 

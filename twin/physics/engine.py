@@ -31,7 +31,7 @@ def _torque_of(power_w: float, rpm: float) -> float:
 
 @law
 def _measured_torque_nm(engine: Array, rpm: float) -> float:
-    """Linear between the measured points, which stand in the order of their speeds."""
+    """Linear between the measured points, in the order of their speeds."""
     count, at = int(engine[Engine.POINT_COUNT]), POINTS
     torque = engine[at + 1]
     for i in range(1, count):
@@ -43,18 +43,22 @@ def _measured_torque_nm(engine: Array, rpm: float) -> float:
 
 @law
 def full_load_torque_nm(engine: Array, rpm: float) -> float:
-    """Full-load torque of a diesel, or the torque limit of an electric motor.
+    """Full-load torque of a diesel, or the torque limit of an electric motor [N m].
 
-    A diesel's is a parabola through peak and rated torque, no more than its maximum power allows,
-    and falls to nothing at a stall.
+    A diesel's is a parabola with its vertex at the peak torque, through the rated torque, and no
+    more than its maximum power allows. From 500 to 300 rpm it falls to 0.
 
-    T = min(T_p - (T_p - T_r) ((n - n_p) / (n_r - n_p))**2, P_max / w) ;  T_p = T_r rise
-    times clip((n - 300) / (500 - 300), 0, 1)
+        T_p = T_r rise ;  u = (n - n_p) / (n_r - n_p) ;  f = clip((n - 300) / (500 - 300), 0, 1)
+        T = f min(max(0, T_p - (T_p - T_r) u**2), P_max / w)
 
     Where torque was measured by speed, T is linear between the points in place of the parabola, and
-    constant below the first and above the last.
+    constant below the first and above the last. A motor's limit is
 
-    A motor's is T = min(T_r, P_max / |w|), or P_regenerated / |w| where it is pushed backwards.
+        T = min(T_r, P_max / |w|) ;  the power of regeneration replaces P_max for n < 0
+
+    Args:
+        engine: part of the block that `Engine` indexes.
+        rpm: engine speed n; w is the same in rad/s.
     """
     rated = engine[Engine.RATED_TORQUE_NM]
     most = _torque_of(engine[Engine.MAX_POWER_W], rpm)
@@ -86,7 +90,7 @@ def braking_torque_nm(engine: Array, rpm: float) -> float:
         T = min(T_r, P_regenerated / |w|)
 
     Source: Millington and Hartles (SAE 680590, 1968) as Heywood (1988) quotes it for direct
-    injection; recalled, not compared with the print.
+    injection; from memory, not compared with the print.
     """
     if engine[Engine.KIND] == ELECTRIC:
         most = _torque_of(engine[Engine.REGENERATION_W], rpm)

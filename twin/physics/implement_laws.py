@@ -1,4 +1,4 @@
-"""A user's own force law of an implement, beside ASABE D497: which one acts stands in the block.
+"""A user's own force law of an implement, beside ASABE D497: the block says which one acts.
 
 A law is a pure function
 

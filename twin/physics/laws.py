@@ -1,4 +1,4 @@
-"""The soil laws behind one interface: which one acts stands in the parameter block.
+"""The soil laws behind one interface: the parameter block says which one acts.
 
 A law is a pure function
 

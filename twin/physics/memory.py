@@ -16,7 +16,7 @@ Pointer: TypeAlias = Any
 
 
 def _reader(kind: ir.Type, number: types.Type, what: str) -> Untyped:
-    """What reads a value of a kind, stored so many bytes into a struct."""
+    """Reader of a value of a kind, at an offset in bytes into a struct."""
 
     @intrinsic
     def read(typing_context: Untyped, base: Untyped, offset: Untyped) -> Untyped:

@@ -1,6 +1,8 @@
-"""Users' laws in a table of function addresses: compiled once, found by a number of their source.
+"""Users' laws, compiled and entered in a table of function addresses.
 
-What a soil law and an implement's law have in common. The compiled callback reads the tables.
+Soil laws and implement laws share this code; each kind has its own table. A law is compiled once
+in a process and identified by a number: a hash of its module's text, its name and the text of the
+module that defines the interface. MuJoCo's passive-force callback reads the tables.
 """
 
 from __future__ import annotations
@@ -50,7 +52,7 @@ class LawKind:
             name: what messages call it.
 
         Raises:
-            BadInput: it stands in no file, cannot be compiled, or the table is full.
+            BadInput: the law is in no file, cannot be compiled, or the table is full.
         """
         number = int(key(self.file, self._source(function, name), name)[:12], 16)
         known = self.known.get(number)
@@ -61,7 +63,11 @@ class LawKind:
         return float(number)
 
     def enter(self, number: int, compiled: CFunc, name: str) -> None:
-        """Enter a compiled law in the table, in the place of one with its number."""
+        """Enter a compiled law in the table, in the place of one with its number.
+
+        Raises:
+            BadInput: the table is full.
+        """
         same = np.flatnonzero((self.table[:, 0] == number) & (self.table[:, 1] != 0))
         rows = same if same.size else np.flatnonzero(self.table[:, 1] == 0)
         if not rows.size:
@@ -69,7 +75,7 @@ class LawKind:
         self.table[rows[0], 0], self.table[rows[0], 1] = number, compiled.address or 0
 
     def _source(self, function: Function, name: str) -> str:
-        """Text of the file a law stands in."""
+        """Text of a law's file."""
         try:
             module = inspect.getmodule(getattr(function, "py_func", function))
             return inspect.getsource(module)  # type: ignore[arg-type]  # None is a TypeError too

@@ -17,7 +17,7 @@ HALVINGS = 32
 def slips(
     soil: Array, wheels: Array, load_n: Array, lead: float, height: float, force_n: Array
 ) -> Array:
-    """Slip of the rear wheels at which the driven wheels hand on a force (bisection). Shape (n,).
+    """Slip of the rear wheels at which the driven wheels transmit a force (bisection). Shape (n,).
 
     Args:
         soil: its part of the parameter block.

@@ -41,7 +41,7 @@ class Compared:
     a: Drive
     b: Drive
     slip_of: tuple[str, str]
-    """Whose slip stands in figures: an estimator, or `truth`."""
+    """Whose slip the figures show: an estimator's, or `truth`."""
     where: str
     """Which rows are compared, in words."""
     rows: tuple[Row, ...]

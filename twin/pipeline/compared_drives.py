@@ -24,7 +24,7 @@ FROM_TRUTH = {
     "draft_pin_n": "draft_n", "axle_torque_nm": "axle_torque_nm", "engine_radps": "engine_radps",
     "fuel_lph": "fuel_lph", "speed_mps": "speed_mps", "depth_m": "depth_m", "true_slip": "slip",
 }  # fmt: skip
-"""Column of a timeline -> the truth's that stands in for it where no sensor measured it."""
+"""Column of a timeline -> column of the truth that replaces it where no sensor measured it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,7 +70,7 @@ def read(folder: Path) -> Record:
 
 
 def slips(a: Record, b: Record) -> tuple[str, str]:
-    """The first estimator that gives a slip in both; else the truth, or each one's own first."""
+    """The first estimator that gives a slip in both; else the truth, or the first of each drive."""
     own = [_giving(record) for record in (a, b)]
     common = [name for name in own[0] if name in own[1]]
     if common:
@@ -91,7 +91,11 @@ def _has_truth(record: Record) -> bool:
 
 
 def drive_of(folder: Path, record: Record, slip_of: str) -> Drive:
-    """A folder's drive in rows of a second, with an estimator's slip or the true one."""
+    """A folder's drive in rows of a second, with an estimator's slip or the true one.
+
+    Raises:
+        BadInput: the folder has no measurements.
+    """
     truth = record.truth or {}
     estimate = truth if slip_of == TRUTH else record.estimates.get(slip_of)
     rows = timeline(record.streams, estimate)

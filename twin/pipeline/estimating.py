@@ -1,10 +1,10 @@
-"""What an estimator makes of streams; failures and malformed tables as errors that say where."""
+"""Run estimators on streams; failures and malformed tables are errors that say where."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,16 +15,20 @@ from twin.plugins.percent import percent_note
 from twin.streams import ESTIMATES, Setup, Streams, Table
 
 QUANTITIES = tuple(c for c in ESTIMATES if c not in ("epoch_ns", "flags"))
-"""What an estimate may tell; flags say how."""
+"""Quantities that an estimate may have."""
+
+
+State: TypeAlias = Any
+"""Whatever an estimator keeps from one chunk to the next."""
 
 
 class Estimator(Protocol):
     """What consumes streams: a state at the start, then a new state and estimates per chunk."""
 
-    def init(self, setup: Setup) -> Any:
+    def init(self, setup: Setup) -> State:
         """State before the first sample."""
 
-    def run(self, state: Any, chunk: Streams) -> tuple[Any, Table]:
+    def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
         """New state, and what is estimated from the chunk."""
 
 
@@ -49,8 +53,8 @@ def all_estimates(
 
     Args:
         estimators: by name.
-        setup, streams: what each is told, and what it sees.
-        told: told how many of how many are done.
+        setup, streams: given to each.
+        told: called with the number of estimators that are done, and of all.
     """
     tables: dict[str, Table] = {}
     failed: dict[str, str] = {}
@@ -80,7 +84,7 @@ def estimates(name: str, estimator: Estimator, setup: Setup, streams: Streams) -
     Args:
         name: what messages call it.
         estimator: with `init(setup) -> state` and `run(state, chunk) -> (state, table)`.
-        setup, streams: what it is told, and what it sees; it cannot change them for others.
+        setup, streams: given to it; it cannot change them for others.
 
     Raises:
         BadInput: it fails, gives no pair, or a table that is not one of estimates

@@ -46,9 +46,9 @@ def estimate(
         reader: what reads the log; None finds out by what is in it.
         strict: refuse a log with a single bad row.
         offset_s: file name -> how far its clock is ahead of the first file's [s].
-        hide_s: for how long GNSS is hidden to score what is foretold [s]; none leaves it out.
-        tuning: file of `twin tune` that says other noises of some of them.
-        told: told how many estimators of how many are done.
+        hide_s: times for which GNSS is hidden to score the predicted speed [s]; empty for none.
+        tuning: file of `twin tune` with other noises for some of them.
+        told: called with the number of estimators that are done, and of all.
 
     Raises:
         BadInput: the log or the map cannot be used; says which value, and what would do.
@@ -178,7 +178,7 @@ def steady_summary(log: Log, estimates: Table) -> dict[str, float | int | None]:
 
 
 def prepared(log: Log) -> tuple[Log, SteadySlip | None, dict[str, Plain]]:
-    """The log with wheel speeds scaled to zero slip, and what its own drives told.
+    """The log with wheel speeds scaled to zero slip, and what its protocol gave.
 
     The map's rule scales them, else the zero-pull passes of a recording protocol.
     """

@@ -50,7 +50,11 @@ def log_scale(log: Log, *, seed: int = 0) -> Scale:
 
 
 def log_lag(log: Log, *, seed: int = 0) -> Lag:
-    """How late GNSS speed is against wheel speed over the whole log."""
+    """Delay of GNSS speed behind wheel speed over the whole log.
+
+    Raises:
+        BadInput: the log has no speed of one of them.
+    """
     if "gnss" not in log.streams or "wheels" not in log.streams:
         raise BadInput("the log has no gnss and wheels to compare; map speeds of both")
     gnss, wheels = log.streams["gnss"], log.streams["wheels"]

@@ -25,7 +25,7 @@ def names(kind: str) -> list[str]:
 
 
 def load(kind: str, spec: str) -> Thing:
-    """The thing a registered name or a `module:Name` stands for.
+    """The object of a registered name or of `module:Name`.
 
     `module:` alone means the module itself. The working directory is added to the end of the
     import path, so nothing in it shadows an installed package. A class is made into an

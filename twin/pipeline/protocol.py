@@ -1,4 +1,4 @@
-"""The recording protocol of a log, used: scale, lag and gyro bias; rolling resistance told."""
+"""The recording protocol of a log: uses scale, lag and gyro bias, reports rolling resistance."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ def load(name: str | Path, overrides: Mapping[str, object] | None = None) -> Sce
 
     Raises:
         UnknownName: there is no such scenario, or no such field.
-        BadInput: a value is not one that the field takes.
+        BadInput, OutOfRange: a value is not one that the field takes.
 
     Example:
         >>> twin.load("plough-25cm", {"plough.depth_m": 0.2}).plough.depth_m
@@ -65,7 +65,9 @@ def run(
             `twin.control.on_machine.controlled_by`.
 
     Raises:
-        BadInput: a field is set that has no effect in this run, or a name is unknown.
+        UnknownName: there is no such scenario, estimator, machine or implement.
+        BadInput: a field is set that has no effect in this run, or two estimators have one name.
+        OutOfRange: a number that the machine, the implement or the course does not allow.
         Diverged: a value of the simulation became NaN or too large.
 
     An estimator that fails stops nothing: its estimates are NaN, and `Result.failed` says why.
@@ -112,11 +114,12 @@ def estimate(
         offset_s: file name -> how far its clock is ahead of the first file's [s]; what is not
             given is found from the speeds.
         hide_s: for how long GNSS is hidden at regular places while driving [s];
-            `scores["hidden"]` then says how well each estimator foretold the receiver's speed.
+            `scores["hidden"]` has the errors of each estimator's predicted speed.
         tuning: file that `twin tune` wrote: other noises of some of the estimators.
 
     Raises:
-        BadInput: the log or the map cannot be used; the message names the value.
+        UnknownName: there is no such estimator or reader.
+        BadInput: the log, the map or the tuning cannot be used; the message names the value.
 
     Example:
         >>> twin.estimate("field.csv", "field.toml").estimates["ratio"]["slip"]  # doctest: +SKIP
@@ -137,7 +140,7 @@ def estimate(
 def by_name(
     estimators: Iterable[str | Estimator] | Mapping[str, Estimator],
 ) -> dict[str, Estimator]:
-    """Estimators by name: a mapping as it is, names looked up, objects under their class' name.
+    """Estimators by name: a mapping unchanged, names looked up, objects under their class' name.
 
     Raises:
         UnknownName: there is no such estimator.

@@ -30,12 +30,12 @@ class Measured(Protocol):
         """The seed of everything random in it."""
 
     def measure(self) -> tuple[Setup, Streams, Table]:
-        """What the estimators are told, what they see, and the truth."""
+        """The estimators' set-up, the streams, and the truth."""
 
 
 @dataclass(frozen=True)
 class Result:
-    """What `twin.run` and `twin.estimate` give.
+    """Result of `twin.run` and `twin.estimate`.
 
     A table is a dict of NumPy arrays of equal length; `epoch_ns` is its time [ns].
 
@@ -47,9 +47,9 @@ class Result:
     scenario: Scenario | Measured | None
     """The scenario that was driven, with the numbers of its presets filled in; None for a log."""
     setup: Setup
-    """What the estimators are told."""
+    """The estimators' set-up: nominal values."""
     streams: Streams
-    """What the estimators see."""
+    """The samples of the sensors, by sensor."""
     truth: Table
     """The truth of a simulation, the reference of a log; empty where nothing is known."""
     estimates: Mapping[str, Table]

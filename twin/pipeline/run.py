@@ -8,13 +8,11 @@ from collections import ChainMap
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from twin import sensors
-from twin.camera import tracking
-from twin.camera.frames import DrawnFrames
-from twin.camera.tracking import Tracker
 from twin.errors import BadInput
 from twin.io.spool import Spool
 from twin.machine.build import Machine
@@ -38,10 +36,13 @@ from twin.streams import Frames, Setup, Streams, Table, concatenate
 from twin.trajectory.end import End
 from twin.truth import truth
 
+if TYPE_CHECKING:
+    from twin.camera.tracking import Tracker
+
 Progress = Callable[[float, float], None]
-"""Told the share of the course driven, 0 to 1, and the time driven [s]."""
+"""Called with the share of the course driven, 0 to 1, and the time driven [s]."""
 KEPT_EVERY = 10
-"""Of the camera's frames every so many are kept to be looked at."""
+"""One in this many of the camera's frames is saved."""
 
 
 def run(
@@ -57,7 +58,7 @@ def run(
     Args:
         scenario: what is driven, with its seed.
         estimators: by name; each sees the set-up and the streams, nothing else.
-        progress: told how far it is.
+        progress: called with the share driven, 0 to 1, and the time driven [s].
         frames: folder where the camera's frames are saved as PNG.
         controlled: who sets throttle and hitch in work, in the driver's place.
 
@@ -133,7 +134,7 @@ def sense(
     Args:
         machine: what is driven.
         driven: its driven wheels.
-        progress: told how far it is.
+        progress: called with the share driven, 0 to 1, and the time driven [s].
         frames: folder where the camera's frames are saved as PNG.
         set_levers: sets throttle and hitch in work, in the driver's place.
 
@@ -152,11 +153,11 @@ def sense(
     with ThreadPoolExecutor(1) as pool:
         for chunk in itertools.chain(recording.chunks(), run_chunks):
             state, sampled = sensors.sample(fitted, state, chunk)
-            if isinstance(sampled.frames, DrawnFrames) and chunk.epoch_ns[0] >= recording.start_ns:
-                kept.append(sampled.frames.every(KEPT_EVERY))
+            if sampled.frames is not None and chunk.epoch_ns[0] >= recording.start_ns:
+                kept += _few(sampled.frames)
             sampled = recording.recorded(sampled)
             if tracker is not None:
-                tracker, sampled = tracking.track(tracker, sampled, pool)
+                tracker, sampled = tracker.track(sampled, pool)
             for name, table in sampled.tables.items():
                 tables.setdefault(name, Spool()).append(table)
             if sampled.frames is not None:
@@ -184,8 +185,17 @@ def _tracker(fitted: Sensors, machine: Machine, frames: Path | None) -> Tracker 
     camera = fitted.camera
     if camera is None:
         return None
+    from twin.camera import tracking  # slow to import, and few runs have a camera
+
     setup = sensors.setup(fitted, geometry(machine))
     return tracking.tracker(setup, camera.odometry, camera.processing_s, frames)
+
+
+def _few(frames: Frames) -> list[Frames]:
+    """Some of the frames that were drawn; none of others."""
+    from twin.camera.frames import DrawnFrames
+
+    return [frames.every(KEPT_EVERY)] if isinstance(frames, DrawnFrames) else []
 
 
 def _of_the_run(estimates: Table, start_ns: int) -> Table:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,8 @@ from twin.scenario import Scenario
 
 if TYPE_CHECKING:
     import pandas
+
+    from twin.machine.build import Machine
 
 REPORT, RECORDING = run_folder.REPORT, run_folder.RECORDING
 
@@ -66,10 +69,10 @@ def _record(result: Result, path: Path) -> None:
     from twin import viz
 
     if isinstance(result.scenario, Scenario):
-        from twin.machine.build import assemble
+        from twin.terrain.maps import ground_maps
 
-        machine = assemble(result.scenario, looks=True)
-        ground = viz.Ground(world_from_ground=machine.world_from_ground, maps=machine.maps)
+        machine, maps = _seen(result.scenario), ground_maps(result.scenario)
+        ground = viz.Ground(world_from_ground=machine.world_from_ground, maps=maps)
         turned = _turned(result.scenario)
         viz.record(result, path, model=machine.model, turned=turned, ground=ground)
         return
@@ -84,18 +87,29 @@ def _record(result: Result, path: Path) -> None:
     )
 
 
+def _seen(scenario: Scenario) -> Machine:
+    """The machine as it looks; the heights of its ground, which it does not need, are left out."""
+    from twin.machine.build import assemble
+
+    plane = replace(scenario.field, roughness_class="smooth", height_map=None)
+    return assemble(replace(scenario, field=plane), looks=True)
+
+
 def _turned(scenario: Scenario) -> Any:
     """The machine's model as it comes back, its plough turned over; None where it only goes."""
     if scenario.plough is None or scenario.course.passes == 1:
         return None
-    from twin.machine.build import assemble
     from twin.simulation.passes import turned_over
 
-    return assemble(turned_over(scenario), looks=True).model
+    return _seen(turned_over(scenario)).model
 
 
 def dataframe(result: Result) -> pandas.DataFrame:
-    """The estimates as one data frame; see `Result.to_dataframe`."""
+    """The estimates as one data frame; see `Result.to_dataframe`.
+
+    Raises:
+        BadInput: pandas is not installed.
+    """
     try:
         import pandas
     except ModuleNotFoundError:

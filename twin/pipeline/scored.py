@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from twin.pipeline.drive import phases_of
 from twin.pipeline.result import Result
 from twin.plugins.lookup import attribute
 from twin.scores import scores
@@ -36,10 +35,14 @@ def run_scores(result: Result) -> scores.Scores:
 
 
 def log_scores(result: Result) -> scores.Scores:
-    """Scores of a log where it has a reference, and what was found of it.
+    """Scores against the log's reference, none without one; then the log's own statistics.
 
-    By the driver's phases where it is a run's folder, else by the activities of the log.
+    Scores are split by phase: that of the reference where it has `phase` or `depth_m`, else the
+    activity found in the log. The statistics are those of `result.found`, the notes and where slip
+    is zero.
     """
+    from twin.pipeline.drive import phases_of  # slow to import, and a run needs it not
+
     known = {"phase", "depth_m"} & set(result.truth)
     told = result.truth and not known
     spans_ns = protocol_spans_ns(result.found)

@@ -17,13 +17,13 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from twin.errors import BadInput, TwinError, UnknownName
 from twin.io.plain import Plain
-from twin.pipeline.estimating import Estimator
+from twin.pipeline.estimating import Estimator, State
+from twin.plugins.lookup import Thing
 from twin.scenario.fields import replaced
 from twin.streams import Setup, Streams, Table
 
@@ -56,9 +56,9 @@ class Noises:
 
 @dataclass(frozen=True)
 class Tuned:
-    """An estimator that is told other sd of the sensors; it has its own values already."""
+    """An estimator that gets other sd of the sensors; its own values are set already."""
 
-    estimator: Any
+    estimator: Thing
     factors: Numbers
 
     @property
@@ -66,13 +66,13 @@ class Tuned:
         """Whether it wants the whole log, as the estimator itself."""
         return bool(getattr(self.estimator, "offline", False))
 
-    def init(self, setup: Setup) -> Any:
+    def init(self, setup: Setup) -> State:
         """The estimator's state before the first sample."""
         return self.estimator.init(scaled_setup(setup, self.factors))
 
-    def run(self, state: Any, chunk: Streams) -> tuple[Any, Table]:
-        """What the estimator makes of the chunk."""
-        result: tuple[Any, Table] = self.estimator.run(state, scaled_streams(chunk, self.factors))
+    def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
+        """The estimator's new state, and its estimates of the chunk."""
+        result: tuple[State, Table] = self.estimator.run(state, scaled_streams(chunk, self.factors))
         return result
 
     def innovations(self, setup: Setup, streams: Streams) -> Table:
@@ -82,7 +82,7 @@ class Tuned:
         return found
 
 
-def tuned(name: str, estimator: Any, noises: Noises) -> Any:
+def tuned(name: str, estimator: Thing, noises: Noises) -> Thing:
     """The estimator with these noises.
 
     Raises:
@@ -129,10 +129,11 @@ def scaled_streams(streams: Streams, factors: Numbers) -> Streams:
 
 
 def read(path: Path) -> dict[str, Noises]:
-    """Estimator -> its noises, from a file that `twin tune` wrote.
+    """Estimator -> its tuned fields and factors, from a file that `twin tune` wrote.
 
     Raises:
-        BadInput: the file is missing or no such file; says what is wrong with it.
+        BadInput: the file is missing, or is not a valid file of `twin tune`; says why.
+        UnknownName: a factor has a name that is not in FACTORS.
     """
     try:
         plain = tomllib.loads(path.read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""Packages that only some users need: what an absent one and a damaged file are told as."""
+"""Packages that only some users need: messages for an absent package and a damaged file."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ WRITES = re.compile("read-?only", re.IGNORECASE)
 def failing(what: str, thing: object) -> Iterator[None]:
     """Whatever is raised inside, as BadInput: `WHAT fails: KeyError: 'wheelz' (mine.py, line 12)`.
 
-    An array that was handed out is read-only, and writing to it is told as what it is.
+    Arrays that are handed out are read-only; the error of a write says so.
 
     Args:
         what: who fails, as messages say it.

@@ -18,7 +18,7 @@ COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 
 
 def attribute(kind: str, spec: str) -> Thing:
-    """The thing `module:Name` stands for; `module:` alone means the module itself.
+    """The object `module:Name`; `module:` alone means the module itself.
 
     The working directory is added to the end of the import path, so nothing in it shadows an
     installed package.

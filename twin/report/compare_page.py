@@ -34,7 +34,7 @@ class Side:
     chosen: NDArray[np.bool_]
     """The rows that are compared. Shape (n,)."""
     slip_of: str
-    """Whose slip stands in the figures."""
+    """Whose slip the figures show."""
 
 
 def write(

@@ -17,7 +17,7 @@ from twin.streams import Table
 Window = tuple[float, float]
 
 BLOCK_S, BLOCKS = 5.0, (20, 40)
-"""Errors over time are means of blocks of about so long, of at least and at most so many."""
+"""Errors over time are means of blocks: their length, and the least and the largest number."""
 BOUNDS: tuple[tuple[str, Plain], ...] = (("causal", "--"), ("offline", ":"))
 """Of `estimators.bounds`, each with its line."""
 NEES_SHOWN = (0.3, 3.0)

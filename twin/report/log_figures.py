@@ -26,7 +26,7 @@ from twin.report.palette import TRUTH_COLOUR, looks
 from twin.streams import Table
 
 BLOCKS = 800
-"""A long log is drawn as medians of so many blocks of time."""
+"""A long log is drawn as medians of this many blocks of time."""
 TINTS = {WORKING: "#e3efe6", TURNING: "#f6ecd8", EMPTY: "#e6eaf3"}
 COLOURS = {WORKING: "#009E73", TURNING: "#E69F00", EMPTY: "#0072B2"}
 LEAST_IN_BIN = 5
@@ -150,7 +150,7 @@ def engine(rows: Table, done: Activity) -> Drawing | None:
 def blocks(time_s: Array, values: Array, span_s: float) -> tuple[Array, Array, Array, Array]:
     """Middles, medians, 5 % and 95 % of BLOCKS blocks of time; NaN where most is unknown.
 
-    Where there are fewer values than blocks each stands for itself.
+    Where there are fewer values than blocks, each value is drawn.
     """
     if len(time_s) <= BLOCKS:
         return time_s, values, values, values

@@ -1,4 +1,4 @@
-"""The parts of the page of a recorded drive: what an engineer hands on.
+"""The parts of the report of a recorded drive.
 
 Tables first: where time and fuel went, slip, where slip was high, what the log says of the wheels.
 Then the figures; at the end what was assumed.

@@ -5,17 +5,16 @@ from __future__ import annotations
 import html
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from twin.io.atomic import write_text
 from twin.io.plain import Plain, to_plain
 from twin.io.run_folder import RunLike
 from twin.plugins.lookup import Thing
-from twin.report import errors, figures, log_page
+from twin.report import errors, figures
 from twin.report.draw import Drawing
 from twin.report.html import document, made_with, table
 from twin.report.html import figures as figures_of
-from twin.report.log_page import Figure
 from twin.scores.table import (
     COVERAGE,
     HEADERS,
@@ -26,6 +25,9 @@ from twin.scores.table import (
     score_rows,
     zero_line,
 )
+
+if TYPE_CHECKING:
+    from twin.report.log_page import Figure
 
 SLIP_OVER_TIME = (
     "Black: truth. Bands: ±2 reported standard deviations; about the truth, ±2 of the causal "
@@ -58,19 +60,22 @@ def page(run: RunLike, scores: Mapping[str, Plain], command: str = "") -> str:
     name = str(scores.get("scenario") or "log")
     seed = scores.get("seed")
     title = name if seed is None else f"{name}, seed {seed}"
+    top, tables, notes = "", "", _notes(scores)
+    if run.scenario is None:
+        top, tables, notes = _of_a_log(run, scores)
     parts = [
         f'<p class="soft">{html.escape(_what(run, scores))}</p>',
         *(f'<p class="ended">{html.escape(line)}</p>' for line in end_lines(scores)),
-        log_page.headline(scores) if run.scenario is None else "",
+        top,
         _driven(scores.get("truth") or {}),
         _headline(scores),
-        log_page.tables(scores, run.setup.origin) if run.scenario is None else "",
+        tables,
         figures_of(
             (title, drawn.svg(), caption)
             for title, drawn, caption in _figures(run, scores)
             if drawn
         ),
-        log_page.assumed(scores) if run.scenario is None else _notes(scores),
+        notes,
         _parameters(run.scenario),
         _again(name, seed, run.scenario, command),
     ]
@@ -86,10 +91,20 @@ def drawings(run: RunLike, scores: Mapping[str, Plain]) -> dict[str, Drawing]:
     }
 
 
+def _of_a_log(run: RunLike, scores: Mapping[str, Plain]) -> tuple[str, str, str]:
+    """Headline, tables and notes that the page of a log has in place of a run's."""
+    from twin.report import log_page  # slow to import, and a run needs it not
+
+    origin = run.setup.origin
+    return log_page.headline(scores), log_page.tables(scores, origin), log_page.assumed(scores)
+
+
 def _what(run: RunLike, scores: Mapping[str, Plain]) -> str:
     window = scores.get("window_s")
     scored = f"scored from {window[0]:.1f} s to {window[1]:.1f} s" if window else "not scored"
     if run.scenario is None:
+        from twin.report import log_page
+
         return f"{log_page.lead(scores, run)}{f' It is {scored}.' if window else ''}"
     end = scores.get("end") or {"as_planned": True}
     driven = "" if not end["as_planned"] else f" {str(scores.get('ended', '')).capitalize()}"
@@ -149,6 +164,8 @@ def _notes(scores: Mapping[str, Plain]) -> str:
 
 def _figures(run: RunLike, scores: Mapping[str, Plain]) -> Iterable[Figure]:
     if run.scenario is None:
+        from twin.report import log_page
+
         yield from log_page.figures(run, scores)
         yield from log_page.clocked_figures(
             _run_figures(*log_page.since_start(run, scores)), scores

@@ -1,6 +1,6 @@
 """Looks of truth and estimates, the same in every figure and recording; figures' style.
 
-Okabe & Ito (2008), Color Universal Design: told apart with every kind of colour vision.
+Okabe & Ito (2008), Color Universal Design: distinct in every kind of colour vision.
 """
 
 from __future__ import annotations

@@ -90,7 +90,7 @@ def bound_sd_m(
     turns by A. That is the gyro's: noise N, wander of bias B in the time D, scale e. A bias that
     the calibration took for camera yaw acts at x_cg alone. The picture's own turn cannot help:
     rolling by 0.2 degree on the slope changes it by 1.7 degrees in 9 s. Positions, whose error
-    wanders by some mm in a leg, are not counted; they might tell the scale to 3e-4.
+    wanders by some mm in a leg, are not counted; they might give the scale to 3e-4.
     """
     own = limits or Limits()
     calibration_s, arm_m = own.legs * own.leg_s, own.camera_m - own.cg_m

@@ -28,7 +28,7 @@ MASK = Outage(start_s=1.0, duration_s=60.0, kind="mask")
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """A total, told and true, over the same instants."""
+    """A total, estimated and true, over the same instants."""
 
     told_m: float
     true_m: float
@@ -36,7 +36,7 @@ class Estimate:
 
     @property
     def error_m(self) -> float:
-        """Told less true."""
+        """Estimated less true."""
         return self.told_m - self.true_m
 
     @property
@@ -83,7 +83,7 @@ def trial(
     Args:
         name: of the scenario with the antennas open.
         seed: of all chance.
-        slope_deg: of the platform, which the paper's chain is told.
+        slope_deg: of the platform; the paper's chain gets it.
         papers: whether the paper's chains are run too.
         before: of another drive; its frames are not tracked again where all samples are the same.
 
@@ -131,13 +131,13 @@ def _own_drives(
             tracker = tracking.tracker(setup, camera.odometry, camera.processing_s)
             tracked = first
             if tracker is not None:
-                tracker, tracked = tracking.track(tracker, first, pool)
+                tracker, tracked = tracker.track(first, pool)
             state, _ = own.run(own.init(setup), tracked)
             before = Calibrated(seen=Streams(first.tables), tracker=tracker,
                                 camera=tracked["camera"], state=state)  # fmt: skip
         after = _cut(streams, lambda epoch_ns: epoch_ns >= start_ns)
         if before.tracker is not None:
-            _, after = tracking.track(before.tracker, after, pool)
+            _, after = before.tracker.track(after, pool)
     rows = {masked: drive[1]["gnss"] for masked, drive in drives.items() if "gnss" in drive[1]}
     late = {m: _cut(Streams({"gnss": g}), lambda e: e >= start_ns)["gnss"] for m, g in rows.items()}
     runs = {m: Streams({**after.tables, "gnss": late[m]}) if m in late else after for m in drives}

@@ -3,7 +3,7 @@
 What decides: the fitness sees four sums of an element of Q and one of R, so the box and its
 encoding, not the optimiser, say how they are shared out and how much the filter smooths. The KF's
 error is that of the raw ratio; the IMA-PKF's is what the filter has with Q = 7e-4 I and no
-optimiser; and any filter that is told the printed noise comes three times as close, to the
+optimiser; and any filter with the printed noise comes three times as close, to the
 closed-form floor, as the paper gives it an unbiased accelerometer and another one on the wheels.
 Without the second, and with the first biased, that advantage is gone.
 """

@@ -52,10 +52,10 @@ def adaptive(**changes: float) -> Row:
 
 
 def beside(*, biased: bool) -> Row:
-    """Raw ratios, the paper's KF, its PKF without optimiser, and filters that are told the noise.
+    """Raw ratios, the paper's KF, its PKF without optimiser, and filters that get the noise.
 
     Args:
-        biased: whether the accelerometers are, which tuned filters are told as well.
+        biased: whether the accelerometers are; tuned filters get this, too.
     """
     bias = BIAS if biased else NO_BIAS
     bank = PRINTED | bias

@@ -1,7 +1,8 @@
 """The field experiment of Fu et al. (INMATEH 77-13): four depths at one throttle setting.
 
-Published are the mean speeds alone. Slip, draft and their spread are one consistent set under them,
-not measured: speed and draft fix slip to about a third of itself.
+Of what was measured the paper publishes the mean speeds alone. Slip and draft, and how much both
+vary, are assumed: one set that agrees with these speeds. Speed and draft determine slip to about
++-30 % (5 to 95 %).
 """
 
 from __future__ import annotations
@@ -70,7 +71,7 @@ def _depth_rows(cm: int, passes: list[Pass]) -> Rows:
         row(case, "roll", _mean(passes, "roll_deg"), "deg",
              reference=_mean(passes, "roll_expected_deg")),
         row(case, "largest roll error", roll_error, "deg", high=0.3),
-        row(case, "largest power closure", closure, "1", high=0.01),
+        row(case, "largest power imbalance over engine work", closure, "1", high=0.01),
     ]  # fmt: skip
 
 
@@ -89,7 +90,7 @@ def _prediction_rows(passes: dict[int, list[Pass]], trials: int, jobs: int) -> R
         speed = _mean(_drive_all(fitted, trials, jobs), "speed_kmh")
         published = SPEEDS_KMH[cm]
         out.append(
-            row(f"{cm} cm", "speed foretold from the other depths", speed, "km/h",
+            row(f"{cm} cm", "speed predicted from the other depths", speed, "km/h",
                 low=0.96 * published, high=1.04 * published, published=published)
         )  # fmt: skip
     return out
@@ -108,4 +109,6 @@ def _step_rows() -> Rows:
     scenario = replace(plough.CM_25, course=Course(length_m=60.0))
     full, half = (drive(replace(scenario, timestep_s=dt_s)).slip for dt_s in (0.002, 0.001))
     change = abs(half / full - 1.0)
-    return [row("25 cm, half the time step", "change of mean slip", change, "1", high=0.01)]
+    return [
+        row("25 cm, half the time step", "relative change of mean slip", change, "1", high=0.01)
+    ]

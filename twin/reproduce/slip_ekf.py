@@ -126,7 +126,7 @@ def _masked(scenario: Scenario, mask_s: float) -> Scenario:
 
 
 def field_rows(trials: int, jobs: int) -> Rows:
-    """Ploughing with GNSS, IMU and encoders; the bias of each run is told apart."""
+    """Ploughing with GNSS, IMU and encoders; the bias of each run is given apart."""
     cases = field_cases()
     tasks = [(name, seed) for name in cases for seed in range(trials)]
     done = many((delayed(drive)(cases[name], seed) for name, seed in tasks), jobs)
@@ -180,7 +180,7 @@ def without_front(streams: Streams) -> Streams:
 def _errors(
     table: Table, truth: Table, whole_s: tuple[float, float], within_s: tuple[float, float]
 ) -> dict[str, float]:
-    """Errors within a part of the run, the bias told from what of the run is not in it, if any."""
+    """Errors within a part of the run, the bias taken from the rest of the run, if any."""
     time = table["epoch_ns"] * 1e-9
     scored = (time >= whole_s[0]) & (time <= whole_s[1])
     inside = (time >= within_s[0]) & (time <= within_s[1])

@@ -14,7 +14,7 @@ from twin.report.html import document, made_with, table
 from twin.report.rows import band_figure, ratio_figure
 
 PIVOTED = ("MAE", "RMSE", "RMSE from 1 s", "max", "bias")
-"""Quantities told of several methods, as `RMSE, KF`: a line for each method."""
+"""Quantities of several methods, as `RMSE, KF`: a line for each method."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +68,7 @@ def _cases(rows: Rows) -> dict[str, Rows]:
 
 
 def _section(case: str, rows: Rows) -> str:
-    """Methods as lines and quantities as columns, and below it what is told of no one method."""
+    """Methods as lines and quantities as columns, and below it the quantities of no one method."""
     methods: dict[str, dict[str, Row]] = {}
     rest = []
     for row in rows:

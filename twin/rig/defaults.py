@@ -1,4 +1,4 @@
-"""What a rig does unless it is told otherwise; light, because the command line reads it."""
+"""Defaults of the rigs; light to import, because the command line reads them."""
 
 from __future__ import annotations
 

@@ -30,27 +30,27 @@ STEADY = 2e-3
 """Most that speed and slip may change from one half of a hold to the other: speed relative to
 itself. What the tractor then stores or gives back is below 0.3 % of its power."""
 MOST_HOLDS = 4
-"""So often a point is held anew where it is not steady yet; a load it cannot pull never is."""
+"""How many times a load is held until speed and slip are steady."""
 STANDING_MPS = 0.1
 LIFTED_N = 500.0
 ITERATIONS = 5
-"""Of loads and forces in the closed form; each gains about a digit."""
+"""Iterations of loads and forces in the closed form; each gains about a digit."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class DrawbarCurve(Measured):
-    """What the drawbar rig measured, one value per hold. Shape (n,)."""
+    """Measurements of the drawbar rig, one value per load. Shape (n,)."""
 
     pull_n: Array
     slip: Array
     """Mean of the rear wheels, (w R - v) / max(|w R|, |v|)."""
     front_slip: Array
-    """The same of the front wheels."""
+    """Mean slip of the front wheels, likewise."""
     speed_mps: Array
     front_load_n: Array
     rear_load_n: Array
     axle_torque_nm: Array
-    """What the gears give the rear axle."""
+    """Torque of the gearbox on the rear axle."""
     front_pull_n: Array
     """Shear less resistance of the front wheels, below 0 where they are towed."""
     engine_rpm: Array
@@ -96,14 +96,14 @@ def drawbar(
         machine: a name of `twin list`, a file, or what a file holds.
 
     Raises:
+        UnknownName: there is no such machine.
         OutOfRange: an argument outside what can be tested.
         BadInput: the test ended with fewer than three points, too few for a curve.
     """
     own = usual(machine)
-    hitch_m = own.hitch_m if hitch_m is None else hitch_m
+    height_m = _height_m(own, hitch_m)
     first_n = (step_n or own.step_n) if first_n is None else first_n
     step_n = own.step_n if step_n is None else step_n
-    check_range("hitch_m", hitch_m, 0.1, 1.2)
     check_range("step_n", step_n, min(100.0, own.step_n), 5000.0)
     check_range("first_n", first_n, min(100.0, own.step_n), 50e3)
     check_range("most_slip", most_slip, 0.05, 0.9)
@@ -112,7 +112,7 @@ def drawbar(
     points: list[tuple[float, ...]] = []
     while not points or points[-1][1] < most_slip:
         pull_n = first_n + step_n * len(points)
-        held = _held(simulation, hitch_m, pull_n, own.lifted_n)
+        held = _held(simulation, height_m, pull_n, own.lifted_n)
         if held is None:
             break
         points.append((pull_n, *_read(held)))
@@ -129,13 +129,21 @@ def pulled(
     gear: Drive | None = None,
     machine: str | Machine = files.USUAL,
 ) -> DrawbarCurve:
-    """Just these pulls, each held until it is steady, by rising pull. Arguments as `drawbar`.
+    """Given pulls, in the given order; each is held until speed and slip are steady.
+
+    Args:
+        soil, hitch_m, gear, machine: as for `drawbar`.
+        pulls_n: pulls [N], n of them.
 
     Raises:
-        BadInput: the tractor does not hold one of them.
+        OutOfRange: a height outside what can be tested.
+        BadInput: no pull is given; or one stops the tractor, lifts its front axle or does not
+            become steady.
     """
+    if not len(pulls_n):
+        raise BadInput("pulls_n is empty; give at least one pull [N]")
     own = usual(machine)
-    height_m = own.hitch_m if hitch_m is None else hitch_m
+    height_m = _height_m(own, hitch_m)
     simulation = Simulation(tractor("rig-drawbar", soil, gear=gear, machine=machine))
     drive(simulation, ROLLING_S)
     points = []
@@ -165,6 +173,13 @@ def usual(machine: str | Machine) -> Usual:
     hundredth_n = 0.01 * 2.0 * sum(loads)
     radius_m = 0.5 * numbers["tyre_rear.diameter_m"]
     return Usual(min(HITCH_M, radius_m), min(STEP_N, hundredth_n), min(LIFTED_N, hundredth_n))
+
+
+def _height_m(own: Usual, hitch_m: float | None) -> float:
+    """Height of the pull above the ground, checked."""
+    height_m = own.hitch_m if hitch_m is None else hitch_m
+    check_range("hitch_m", height_m, 0.1, 1.2)
+    return height_m
 
 
 def _curve(points: list[tuple[float, ...]]) -> DrawbarCurve:

@@ -22,7 +22,7 @@ from twin.vehicle import files
 Array = NDArray[np.float64]
 
 MOST_SLIP = 0.15
-"""Slip at which a test of a wheeled tractor on a hard track ends [-]; OECD Code 2, as recalled."""
+"""Slip at which a test of a wheeled tractor on a hard track ends [-]; OECD Code 2, from memory."""
 FIRST, STEP = 0.3, 0.02
 """First load and step over the largest pull that power and weight allow in a gear."""
 
@@ -65,9 +65,12 @@ def gears(
         all_wheel_drive: engage the front axle.
 
     Raises:
-        OutOfRange: a speed outside what a scenario's gear may be.
-        BadInput: the tractor pulls nothing within 15 % slip in a gear.
+        OutOfRange: a speed outside 3 to 30 km/h, or a height outside what can be tested.
+        BadInput: no speed is given, or the tractor pulls nothing within 15 % slip in a gear.
+        UnknownName: there is no such machine.
     """
+    if not len(speeds_kmh):
+        raise BadInput("speeds_kmh is empty; give at least one speed [km/h]")
     rows = [_best(soil, speed, hitch_m, machine, all_wheel_drive) for speed in speeds_kmh]
     return Gears(**{name: np.array([row[name] for row in rows]) for name in rows[0]})
 

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 SETTLE_S = 5.0
 """Time in which the tyres wind up before creep is counted [s]."""
 LOOKS = 60
-"""How often the place is looked at."""
+"""Number of instants at which the place is read."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,8 +47,17 @@ def park(
 ) -> Creep:
     """Park the tractor, brakes on, clutch disengaged, on each slope; the arguments broadcast.
 
+    Args:
+        soil: the soil, the same everywhere.
+        cross_slope_deg: slopes across the tractor, rising to the left [deg].
+        grade_deg: slopes along it, rising ahead [deg].
+        parked_s: time over which the creep is measured [s].
+        machine: a name of `twin list`, or a file.
+
     Raises:
-        OutOfRange: a slope beyond what a scenario may have.
+        OutOfRange: a slope beyond what a scenario may have, or a time outside 1 to 3600 s.
+        BadInput: no slope is given, or the numbers of slopes differ.
+        UnknownName: there is no such machine.
         Diverged: MuJoCo warned.
     """
     check_range("parked_s", parked_s, 1.0, 3600.0)
@@ -59,6 +68,8 @@ def park(
         )
     except ValueError:
         raise BadInput("cross_slope_deg and grade_deg have different lengths") from None
+    if not cross.size:
+        raise BadInput("the rig has no slopes; give at least one [deg]")
     shapes = [
         Field(cross_slope_deg=float(c), grade_deg=float(g))
         for c, g in zip(cross, grade, strict=True)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import root
 
-from twin.errors import TwinError, check_range
+from twin.errors import BadInput, TwinError, check_range
 from twin.physics.block import WheelSlot
 from twin.rig.table import Measured
 from twin.rig.tractor import Statics, drive, mean, statics, tractor
@@ -27,7 +27,7 @@ WINDOW_S = 5.0
 """Time over which it is averaged [s]."""
 
 LOAD_ITERATIONS = 3
-"""Of the axle loads, which the axle torque changes by some per cent."""
+"""Iterations of the axle loads, which the axle torque changes by some per cent."""
 BALANCED = 1e-4
 """Most that a force may remain, over the weight."""
 
@@ -48,17 +48,27 @@ class CrabAngles(Measured):
     slip: Array
     """Mean of the rear wheels."""
     upper_load_n: Array
-    """Of the rear wheel on the left."""
+    """Load of the rear wheel on the left [N]."""
     lower_load_n: Array
+    """Load of the rear wheel on the right [N]."""
 
 
 def slope(soil: Soil, cross_slope_deg: ArrayLike, *, machine: str = files.USUAL) -> CrabAngles:
-    """Drive along each cross-slope for a fixed time, then average crab angle, slip and loads.
+    """Drive along each cross-slope for 30 s, then average crab angle, slip and loads over 5 s.
+
+    Args:
+        soil: the soil, the same everywhere.
+        cross_slope_deg: slopes across the course, rising to the left [deg] (n,).
+        machine: a name of `twin list`, or a file.
 
     Raises:
         OutOfRange: a slope beyond what a scenario may have.
+        BadInput: no slope is given.
+        UnknownName: there is no such machine.
     """
     slopes = np.atleast_1d(np.asarray(cross_slope_deg, dtype=np.float64))
+    if not slopes.size:
+        raise BadInput("cross_slope_deg is empty; give at least one slope [deg]")
     return CrabAngles(
         **_stacked(slopes, [_driven(soil, float(angle), machine) for angle in slopes])
     )

@@ -40,12 +40,15 @@ def stand(
     radial: bool = False,
     held: tuple[str, ...] = ("along", "across", "spin"),
 ) -> mujoco.MjModel:
-    """mujoco.MjModel of the stand; controls are the speeds of what is held, and the lift.
+    """The stand as a mujoco.MjModel without gravity.
+
+    Actuators in order: `tyre` (no force), `lift` (vertical force [N], upward positive; minus the
+    load), then one wanted speed for each joint of `held` ([m/s]; spin [rad/s]).
 
     Args:
-        sizes: the tyre.
-        soil: what lies under it, the same everywhere.
-        load_n: largest load; the carriage has its mass.
+        sizes: numbers of the tyre by `Wheel`, in SI units.
+        soil: the soil under the tyre, the same everywhere.
+        load_n: largest load [N]. Along and across, the carriage has the mass load_n / g.
         radial: Brixius' numbers for a radial tyre in place of the soil's.
         held: joints whose speed is imposed; "along", "across" or "spin" left out runs free.
     """

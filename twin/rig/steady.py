@@ -43,13 +43,19 @@ def steady(
     load_n: Array,
     speeds_mps: Mapping[str, Array],
 ) -> dict[str, Array]:
-    """Run all points at once to their steady state, and read forces and slots. Shape (n,) each.
+    """Run all points at once to their steady state, and read forces and `SLOTS`. Shape (n,) each.
 
     Args:
-        model: the stand.
-        sizes: the tyre.
-        load_n: load of each point.
-        speeds_mps: wanted speed of each joint; that of the spin at the rolling radius.
+        model: of `twin.rig.stand.stand`.
+        sizes: numbers of the tyre by `Wheel`, in SI units.
+        load_n: load of each point [N] (n,).
+        speeds_mps: wanted speed of each joint [m/s] (n,); of "spin" the rolling speed w R.
+
+    Returns:
+        By joint, the force [N] or torque [N m] of its servo; by name, the slots; `slip_angle_rad`.
+
+    Raises:
+        NotSteady: MuJoCo warned, a force is not finite, or one still changes at the end.
     """
     batch = Batch(model, nsim=len(load_n), nthread=1)
     ctrl, slots = batch.bind("ctrl"), batch.bind("userdata")

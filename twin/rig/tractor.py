@@ -52,6 +52,10 @@ def tractor(
         soil, shape: the ground.
         gear: how it is driven; None for its usual gear, two driven wheels.
         machine: a name, a file, or what a file holds.
+
+    Raises:
+        UnknownName: there is no such machine.
+        OutOfRange, BadInput: the machine cannot drive so.
     """
     homogeneous = dataclasses.replace(soil, strength_cv=0.0)
     course = Course(approach_m=1.0, length_m=5000.0)

@@ -12,11 +12,11 @@ from twin.vehicle.numerics import machine_facts
 
 AXLES = ("front", "rear")
 RIGID_NPM = 1e9
-"""Stiffness that stands for a rigid wheel: 10 um at 10 kN [N/m]."""
+"""Stiffness that counts as rigid: 10 um at 10 kN [N/m]."""
 MOST_DEFLECTION = 0.2
 """Deflection over radius beyond which a tyre would run on its rim."""
 SIZES = tuple(f for f in Wheel if Wheel.WIDTH_M <= f <= Wheel.NOMINAL_LOAD_N)
-"""What a model says of a tyre, in the order of the block."""
+"""Numbers of a tyre in a model, in the order of the block."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -24,28 +24,30 @@ from twin.scenario import Soil
 Array = NDArray[np.float64]
 
 MOST_SLIP = 0.95
-"""Of either sign: at 1 a wheel stands or its carriage does."""
+"""Largest slip or skid that can be imposed [-]: at 1 the carriage or the wheel stands still."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class WheelPoints(Measured):
-    """What the wheel rig measured of any wheel; one value per point. Shape (n,)."""
+    """Measurements of the wheel rig, one value per point. Shape (n,)."""
 
     slip: Array
     """(w R - v) / max(|w R|, |v|), by the wheel's speeds and the rolling radius under load [-];
     negative for a skid."""
     slip_angle_rad: Array
-    """Between the wheel's plane and its path; positive when it slides to the right."""
+    """From the wheel's plane to its path [rad]; positive when it slides to the right."""
     load_n: Array
+    """Vertical load [N]."""
     net_pull_n: Array
-    """What the carriage holds back, forward positive [N]."""
+    """Pull of the wheel on the carriage, forward positive [N]."""
     axle_torque_nm: Array
-    """What the spin servo gives [N m]."""
+    """Torque of the spin servo [N m]."""
     lateral_n: Array
     """Side force of the ground, to the left positive [N]."""
     rolling_radius_m: Array
+    """Zero-slip radius under the load [m]."""
     sinkage_m: Array
-    """As the law reports it [m]; a law may know none."""
+    """Sinkage by the soil law [m]; 0 under a law without sinkage."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -182,7 +184,10 @@ def towed(
     speed_mps: float = SPEED_MPS,
     radial: bool = False,
 ) -> Free:
-    """A wheel pulled without torque: its skid and the force it takes. Arguments as `wheel`."""
+    """A wheel pulled without torque: its skid and the force it takes.
+
+    Arguments and errors as for `wheel`.
+    """
     points = _points(0.0, slip_angle_rad, load_n)
     return _free(tyre, soil, points, speed_mps, radial, held=("along", "across"))
 
@@ -195,9 +200,10 @@ def self_propelled(
     speed_mps: float = SPEED_MPS,
     radial: bool = False,
 ) -> Free:
-    """A wheel driven without pull: its slip and the torque it takes. Arguments as `wheel`.
+    """A wheel driven without pull: its slip and the torque it takes.
 
-    NaN both where the wheel digs in: its thrust does not overcome its resistance at any slip.
+    Arguments and errors as for `wheel`. NaN both where the wheel digs in: its thrust does not
+    overcome its resistance at any slip.
     """
     points = _points(0.0, 0.0, load_n)
     found = _free(tyre, soil, points, speed_mps, radial, held=("across", "spin"))

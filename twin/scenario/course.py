@@ -48,7 +48,7 @@ class Drive:
 
 @dataclass(frozen=True, kw_only=True)
 class Course:
-    """Where it is driven: a straight line, or several side by side with turns between.
+    """The planned way: a straight line, or several side by side with turns between.
 
     With a plough, an approach first with the plough raised.
     """
@@ -56,7 +56,7 @@ class Course:
     approach_m: float = 15.0
     """Distance before the plough is lowered, or before `length_m` begins [m]."""
     length_m: float = 200.0
-    """Distance after the approach [m]; with a plough, the ploughed length. `scores.json` tells the
+    """Distance after the approach [m]; with a plough, the ploughed length. `scores.json` has the
     part that is scored."""
     passes: int = 1
     """How often the field is crossed, up and down, with turns on the headlands between."""
@@ -64,14 +64,14 @@ class Course:
     """How the machine turns between passes: loop, always ahead, or backing, with ways backwards
     between parts of a half turn."""
     backings: int = 1
-    """How often it backs up in a turn with backing."""
+    """Number of ways backwards in a turn with backing."""
     road_m: float = 0.0
     """Length of the road to the field, before the approach, and back, after the last pass [m]; 0
     for a run that begins and ends in the field."""
     heading_deg: float = 0.0
     """Direction of the line, counter-clockwise from east [deg]."""
     start_left_m: float = 0.0
-    """Where the rear axle starts, left of the line [m]."""
+    """Distance of the rear axle's start from the line, to the left [m]."""
     hold_line: bool = True
     """Steer along the line; if not, the wheels point straight ahead and the heading is free."""
     edge_m: float | None = None

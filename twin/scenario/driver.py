@@ -9,7 +9,7 @@ from twin.errors import check_range
 
 @dataclass(frozen=True, kw_only=True)
 class Driver:
-    """What the driver does without being told."""
+    """Habits of the driver: what he does without an event."""
 
     reaction_s: float = 0.5
     """Time from what is noticed to what is done about it [s]."""
@@ -24,11 +24,11 @@ class Driver:
     """Speed without slip on the headlands [km/h]: by gear at headland_rpm, or else by engine speed,
     and by gear where that does not reach. None for what the gear of work gives."""
     headland_rpm_sd: float = 0.0
-    """Standard deviation of that engine speed, as the driver's foot moves [rpm]."""
+    """Standard deviation of `headland_rpm`, as the driver's foot moves [rpm]."""
     pause_s: float = 0.0
     """How long the machine stands where it changes its direction [s]."""
     road_kmh: float | None = None
-    """The same on the road to the field and back [km/h]."""
+    """Speed without slip on the road to the field and back [km/h]; None for that of work."""
     road_rpm: float | None = None
     """Engine speed that the governor is set to on the road [rpm]; None for that of work."""
 
@@ -47,6 +47,6 @@ class Driver:
 
     @property
     def plain(self) -> bool:
-        """Whether gear and throttle stay as they are, as long as no event changes them."""
+        """Whether only events change gear and throttle."""
         given = (self.headland_rpm, self.headland_kmh, self.road_kmh, self.road_rpm)
         return not (self.shifts or self.starts_standing) and given == (None,) * 4

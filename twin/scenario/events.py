@@ -89,7 +89,7 @@ class Event:
     at_m: float | None = None
     """Distance along the line of a pass, from where that pass begins [m]."""
     in_pass: int | None = None
-    """Which pass `at_m` is in; None for the first."""
+    """Number of the pass of `at_m`; None for the first."""
     when: str | None = None
     """Condition, such as `engine_rpm < 1300`, `slip > 0.3` or `depth_m > 0.2`: engine_rpm, slip,
     depth_m, speed_kmh, draft_kn or load."""
@@ -102,15 +102,15 @@ class Event:
     kmh: float | None = None
     """Speed without slip at the set engine speed, whose nearest ratio is driven [km/h]."""
     by: int | None = None
-    """So many gears up, or down where below 0."""
+    """Number of gears up; below 0, down."""
     pedal: float | None = None
     """0 released, 1 pressed down."""
     for_s: float | None = None
-    """How long [s]; None for a pedal holds it until the next event with that pedal."""
+    """Duration [s]; None for a pedal holds it until the next event with that pedal."""
     engine_off: bool = False
     """Turn the engine off while the machine stands."""
     distance_m: float | None = None
-    """How far it backs up [m]."""
+    """Distance that the machine backs up [m]."""
     depth_m: float | None = None
     """Working depth [m]."""
     engaged: bool | None = None
@@ -118,9 +118,9 @@ class Event:
     tank: str | None = None
     """fuel, seed or water; None for fuel. Seed and water are carried in front."""
     mass_kg: float | None = None
-    """What is filled in; below 0 what is taken out [kg]."""
+    """Mass that is filled in; below 0, that is taken out [kg]."""
     rate_kgps: float | None = None
-    """How fast it is filled or emptied [kg/s]; None for 5."""
+    """Mass that is filled in or taken out per second [kg/s]; None for 5."""
 
     def __post_init__(self) -> None:
         if self.do not in ACTIONS:
@@ -208,8 +208,8 @@ def check_order(events: tuple[Event, ...]) -> None:
     """Refuse orders that no driver can follow.
 
     Raises:
-        BadInput: a time or a place before that of an earlier event, or more taken out of a tank
-            than was filled in.
+        BadInput, OutOfRange: a time or a place before that of an earlier event, or more taken out
+            of a tank than was filled in.
     """
     last_s, last_m = -1.0, (0, -1.0)
     filled = dict.fromkeys(TANKS, 0.0)

@@ -19,9 +19,9 @@ class Patch:
     """A stretch of the course where the soil differs."""
 
     start_m: float
-    """Where it begins, along the course [m]."""
+    """Start of the patch along the course [m]."""
     length_m: float
-    """Its length along the course [m]."""
+    """Length of the patch along the course [m]."""
     friction_factor: float = 1.0
     """Friction there, over that of the soil around [-]."""
     cone_index_factor: float = 1.0
@@ -51,11 +51,11 @@ class Field:
     """Your own heights above the plane: a .npy file of metres, columns along the course, rows
     across it from the right, the middle row on the course's line. Instead of a roughness class."""
     soil_map: str | None = None
-    """Where `other_soil` is: a .npy file of shares from 0 to 1, laid as `height_map`."""
+    """Share of `other_soil` by place: a .npy file of shares from 0 to 1, laid as `height_map`."""
     map_cell_m: float = 0.25
     """Distance between the nodes of your maps [m]."""
     map_start_m: float = -10.0
-    """Where their first column lies along the course [m]; beyond it the border's values hold."""
+    """Place of the maps' first column along the course [m]; beyond it the border's values hold."""
     other_share: float = 0.0
     """Share of the ground covered by random areas of `other_soil` [-]."""
     other_length_m: float = 10.0

@@ -27,7 +27,8 @@ def gear(drive: Drive, machine: Facts) -> Gear:
     """The gear and the engine speed of a drive on a machine.
 
     Raises:
-        OutOfRange: the engine does not run so, or the transmission has no such gear.
+        OutOfRange: the engine does not run so, or a ratio outside the transmission's range.
+        BadInput: a ratio that is none of the transmission's gears.
     """
     set_rpm = machine.usual_rpm if drive.engine_set_rpm is None else drive.engine_set_rpm
     idle, top = (machine.numbers[f"engine.{n}_rpm"] for n in ("idle", "no_load"))

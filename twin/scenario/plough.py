@@ -9,7 +9,7 @@ from twin.errors import OutOfRange, UnknownName, check_range
 FURROW_SIDES = {"right": -1, "none": 0, "left": 1}
 HITCH_MODES = ("depth", "position", "draft", "mix", "float")
 DRAFT_MODES = ("draft", "mix")
-"""Those in which the depth follows the draft."""
+"""Modes of the hitch in which the depth follows the draft."""
 FRONT_BALLAST_KG = 500.0
 """Front weights of a tractor that carries the whole plough [kg]; assumed, a usual set is 400 to 600
 for this class."""
@@ -20,7 +20,7 @@ five holes over some 0.2 m."""
 
 @dataclass(frozen=True, kw_only=True)
 class Plough:
-    """How the implement is set; which one it is stands in `Scenario.implement`."""
+    """How the implement is set. `Scenario.implement` says which one it is."""
 
     depth_m: float = 0.25
     """Working depth [m], within what the implement works at."""
@@ -39,11 +39,11 @@ class Plough:
     """F of ASABE D497 on the soil that the operator sets lever, draft and depth wheel for [-]; None
     for the soil's own."""
     draft_mix: float = 0.5
-    """What mix follows: 0 the lever's position, 1 the draft [-]."""
+    """Share of the draft in `mix`: 0 follows the lever's position, 1 the draft [-]."""
     sensitivity_rad: float = 0.03
     """Gain of draft control: twice the expected draft acts as this error of the angle [rad]."""
     drop_rate_radps: float = 0.35
-    """How fast the lift lowers at most [rad/s]; 0.35 is 0.33 m/s at the hitch points."""
+    """Fastest lowering of the lower links [rad/s]; 0.35 is 0.33 m/s at the hitch points."""
     upper_limit_rad: float = 0.6
     """Angle of the lower links to which the lift raises the plough, and no further [rad]."""
     deepest_m: float | None = None

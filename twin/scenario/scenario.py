@@ -38,9 +38,9 @@ class Scenario:
     """One run: a machine on a field, what it does, what measures it, and the seed of all chance."""
 
     name: str
-    """Its name, in tables and in the name of the run's folder."""
+    """Name of the scenario, in tables and in the name of the run's folder."""
     about: str = ""
-    """What it is, in one line."""
+    """Description in one line."""
     machine: str = files.USUAL
     """The tractor: a name of `twin list`, a TOML file, or a MJCF with the documented numerics."""
     implement: str | None = None
@@ -53,13 +53,13 @@ class Scenario:
     course: Course = dataclasses.field(default_factory=Course)
     driver: Driver = dataclasses.field(default_factory=Driver)
     events: tuple[Event, ...] = ()
-    """What happens on the way: throttle, shifts, stops and more; or a file, with --events."""
+    """Events on the way: throttle, shifts, stops and more; or a file, with --events."""
     sensors: Sensors = dataclasses.field(default_factory=Sensors)
     timestep_s: float = 0.002
     """Time step of the physics [s]."""
     zero_slip: str = "law"
     """Where slip is zero (ASABE S296): hard-torque, hard-pull, field-torque or field-pull; law for
-    the soil law's own zero. The truth's slip and the radii that estimators are told follow it."""
+    the soil law's own zero. The truth's slip and the nominal radii of the set-up follow it."""
     seed: int = 0
     """Seed of everything random: ground, sensors, mounting errors."""
     machine_numbers: Machine | None = None

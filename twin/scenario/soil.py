@@ -71,7 +71,7 @@ class Soil:
     strength_cv: float | None = None
     """Coefficient of variation of friction and cone index with place [-]."""
     rocks_per_100m2: float = 0.0
-    """How many rocks lie in the plough's way."""
+    """Rocks in the plough's way per 100 m2 of ground [-]."""
     rock_kn: float = 15.0
     """Extra draft of a rock at its peak [kN]."""
     k_c_kn_per_m_n1: float | None = None

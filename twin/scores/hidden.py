@@ -1,4 +1,4 @@
-"""How well an estimator foretells a log: GNSS is hidden at regular places and scored at their ends.
+"""How well an estimator predicts a log: GNSS is hidden at regular places and scored at their ends.
 
 A log of a user has no truth. It has the receiver's speed, which an estimator can be kept from
 seeing. Pure functions on tables and streams.
@@ -21,13 +21,13 @@ Errors = tuple[Array, Array, Array]
 """Errors of speed [m/s] and slip, and the slip's squared error over its variance, by place."""
 
 LEARN_S = 30.0
-"""What an estimator sees before GNSS is hidden for the first time [s]."""
+"""Time before GNSS is hidden for the first time [s]."""
 SEEN_TIMES, MOST_SEEN_S = 4.0, 20.0
-"""GNSS is seen again for so many times the time it was hidden, at most as long and so much more."""
+"""GNSS is then visible for 4 times the hidden time, at most for the hidden time plus 20 s."""
 MOVING_MPS = 0.5
 """At the end of a hidden time the machine must drive faster than this [m/s]."""
 PLACES, MOST_PASSES = 30, 8
-"""A short log is passed again with its places shifted, until there are so many of them."""
+"""A short log is passed up to 8 times with its places shifted, until there are 30 of them."""
 SLOW_MPS = 0.05
 """The least speed that a slip is divided by, as slip is defined [m/s]."""
 DEFAULT_SD_MPS = 0.05
@@ -36,7 +36,7 @@ DEFAULT_SD_MPS = 0.05
 
 @dataclass(frozen=True)
 class Score:
-    """What an estimator foretells of the receiver's speed after `hidden_s` without it."""
+    """Errors of an estimator's speed after `hidden_s` without GNSS, against the receiver's."""
 
     estimator: str
     hidden_s: float
@@ -140,7 +140,7 @@ def errors(
 
     v, w: estimated speeds of ground and driven wheels. Of each hidden time the last sample of the
     receiver is taken that is no newer than the last estimate in it. NaN where the estimator says
-    nothing in it: rows from before or after it foretell nothing. Places at whose ends the machine
+    nothing in it: rows from before or after it predict nothing. Places at whose ends the machine
     does not drive are left out.
     """
     gnss = streams["gnss"]["epoch_ns"]

@@ -32,7 +32,7 @@ class Phases:
     code: NDArray[np.int64]
     """A Phase from that instant on. Shape (n,)."""
     rule: str
-    """How it was told, in words."""
+    """The rule that found the phases, in words."""
 
     def at(self, epoch_ns: NDArray[np.int64]) -> NDArray[np.int64]:
         """The phase at other epochs; before the first it is the first's."""
@@ -41,7 +41,7 @@ class Phases:
 
 
 def phases(truth: Table) -> Phases | None:
-    """The driver's own phases where the truth has them, else told by a rule; None without a speed.
+    """The driver's own phases where the truth has them, else by a rule; None without a speed.
 
     Work: deeper than half of the greatest depth, and than 3 cm. Turn: a curve narrower than 25 m,
     |yaw rate| 25 m > |v|, not at work. Stop: slower than 0.3 m/s. All else is road.

@@ -22,7 +22,7 @@ HIDDEN_RANKS = {
     "estimator": 0, "hidden [s]": 0, "times": 3, "speed RMS [m/s]": 0, "slip RMS [%]": 1,
     COVERAGE: 1,
 }  # fmt: skip
-"""The same of the table of what is foretold while GNSS is hidden."""
+"""The same for the table of speeds predicted while GNSS is hidden."""
 HIDDEN_PHASE_RANKS = {
     "estimator": 0, "hidden [s]": 0, "phase": 0, "times": 3, "speed RMS [m/s]": 0,
     "slip RMS [%]": 1, COVERAGE: 1,

@@ -1,10 +1,11 @@
-"""Sensors: from a chunk of trajectory to the samples a real machine's would give.
+"""Sensors: from a part of a trajectory to the samples that a real machine's sensors would give.
 
-Each module turns noise-free quantities into one sensor's stream: a frozen configuration, and
-`init(config, seed, start_ns) -> state`, `sample(config, state, chunk) -> (state, Table)`.
-`suite` runs them together, `nominal` says what an estimator is told of them. A sensor of one's own
-is a subclass of `Sensor` (`docs/your-own-sensor.md`); `reader`, `read`, `arrivals` and `generator`
-are what the others are made of.
+`camera`, `depth`, `gnss`, `imu`, `machine` and `wheels` each define one sensor: a frozen
+configuration, `init(config, seed, start_ns) -> state` and
+`sample(config, state, chunk) -> (state, Table)`. A chunk is a part of the true trajectory. `suite`
+runs all sensors, and `nominal` makes the `Setup` that estimators receive. A user's sensor is a
+subclass of `Sensor` (`docs/your-own-sensor.md`). It can use the functions that the twin's sensors
+use: `reader`, `read`, `arrivals` and `generator`.
 """
 
 from twin.sensors.camera import Camera

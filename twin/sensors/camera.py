@@ -49,7 +49,7 @@ class Camera:
     height_px: Annotated[int, Range(32, 4096)] = 800
     """Along it, px."""
     binning: Annotated[int, Range(1, 16)] = 1
-    """The sensor's pixels are averaged so many by so many, and frames are that much smaller."""
+    """Side of the squares of pixels that are averaged, px; a frame is width_px / binning wide."""
     field_of_view_deg: Annotated[float, Range(5, 90)] = 53.0
     """Horizontal field of view, deg; 28 to 53 through the lens's zoom."""
     position_m: tuple[float, float, float] = (0.4, 0.0, 0.3)
@@ -242,7 +242,7 @@ def stream(config: Camera, seed: int, trajectory: Trajectory) -> Streams:
 
 
 def setup(config: Camera) -> CameraSetup:
-    """What an estimator is told of the camera: nominal values alone."""
+    """Set-up of the camera for estimators: nominal values alone."""
     return CameraSetup(
         rate_hz=config.rate_hz,
         width_px=config.lens.width_px,

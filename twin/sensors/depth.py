@@ -48,7 +48,7 @@ class Depth:
 
 @dataclass(frozen=True, kw_only=True)
 class DepthState:
-    """Where the depth sensor stands."""
+    """State of the depth sensor."""
 
     reader: Reader
     arrival_ns: int

@@ -29,7 +29,7 @@ class Fault:
     start_s: float
     """From the start of the run [s]."""
     duration_s: float
-    """How long it lasts [s]."""
+    """Duration of the fault [s]."""
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:

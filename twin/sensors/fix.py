@@ -28,9 +28,9 @@ Kind = Literal["corrections", "mask", "mask-aux", "block"]
 KINDS = ("corrections", "mask", "mask-aux", "block")
 
 EXTRAPOLATED_S = 10.0
-"""How long a receiver goes on from its last corrections, s."""
+"""Time for which a receiver extrapolates its last corrections, s."""
 FLOAT_S = 20.0
-"""How long it holds a float solution after that, s; metres by 30 s of age."""
+"""Time for which it then holds a float solution, s; errors are metres at an age of 30 s."""
 SINGLE_S = 1.0
 """From the sky's return to the first float solution, s."""
 REFIX_S = (5.0, 30.0)
@@ -58,7 +58,7 @@ class Outage:
     start_s: float
     """From the start of the run, s."""
     duration_s: float
-    """How long it lasts, s."""
+    """Duration of the outage, s."""
     kind: Kind = "corrections"
     """corrections: the link to the base is lost; mask: foil over both antennas; mask-aux: over
     the auxiliary one; block: no satellite at all."""

@@ -59,7 +59,7 @@ class Gnss:
     tractor that stands, its engine off or on, a receiver shows a speed of 3.7 mm/s in the median
     and 9 mm/s in the 99th percentile: 1.18 and 3.03 times the sd of a Rayleigh distribution."""
     rest_velocity_tau_s: Annotated[float, Range(0.01, 1e5)] = 1.3
-    """Its correlation time, s; measured there: 0.47 is left after 1 s."""
+    """Correlation time of the noise at rest, s; measured: 0.47 is left after 1 s."""
     heading_sd_rad_m: Annotated[float, Range(0, 1)] = radians(0.2)
     """Noise of the heading times the length of the baseline, rad m; 0.1-0.2 deg at 1 m."""
     extrapolation_sd_mps: Annotated[float, Range(0, 1)] = 0.01
@@ -67,12 +67,12 @@ class Gnss:
     float_sd_m: Annotated[float, Range(0, 10)] = 0.35
     """Error of a float solution, m; 0.2-0.5."""
     float_tau_s: Annotated[float, Range(0.01, 1e5)] = 60.0
-    """Its time T, s, 30-100: its correlation is (1 + t/T) exp(-t/T)."""
+    """Time constant T of the float error, s, 30-100; its correlation is (1 + t/T) exp(-t/T)."""
     single_sd_m: Annotated[float, Range(0, 100)] = 1.5
     """Error of a single-point solution, m; 0.4-2.5."""
     single_tau_s: Annotated[float, Range(0.01, 1e5)] = 120.0
-    """Its time T, s, as above. Measured on a parked tractor, each axis: 0.16 m of change in 10 s
-    and 0.6 m in 60 s."""
+    """Time constant T of the single-point error, s. Measured on a parked tractor, each axis:
+    0.16 m of change in 10 s and 0.6 m in 60 s."""
     masked_velocity_factor: Annotated[float, Range(1, 100)] = 3.0
     """Velocity noise with few satellites over that with all (assumed)."""
     satellites_main: Annotated[float, Range(0, 100)] = 28.0
@@ -107,7 +107,7 @@ WHITE = ("white", "velocity", "heading", "latency")
 
 @dataclass(frozen=True, kw_only=True)
 class GnssState:
-    """Where the receiver stands, and what was drawn for this run."""
+    """State of the receiver, and the errors drawn for this run."""
 
     start_ns: int
     reader: Reader

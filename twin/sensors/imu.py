@@ -54,7 +54,7 @@ class Imu:
     filter_order: Annotated[int, Range(4, 10)] = 4
     """Order of the Butterworth low-pass."""
     filter_cut_hz: Annotated[float, Range(0.1, 400)] = 15.0
-    """Its -3 dB frequency, Hz; body modes lie at 1-7 Hz, engine orders from 12 Hz on."""
+    """-3 dB frequency of that low-pass, Hz; body modes are 1-7 Hz, engine orders from 12 Hz on."""
     latency_s: Annotated[float, Range(0, 1)] = 0.002
     """From conversion to arrival, beside the filter's delay, s."""
     latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.0002
@@ -123,7 +123,7 @@ class Scales(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class ImuState:
-    """Where the unit stands, and the errors drawn for this run; gyroscopes come first."""
+    """State of the unit, and the errors drawn for this run; gyroscopes come first."""
 
     start_ns: int
     arrival_ns: int

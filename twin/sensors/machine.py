@@ -35,7 +35,7 @@ TORQUE_STEP_NM = 1.0
 
 @dataclass(frozen=True, kw_only=True)
 class Bus:
-    """What the bus tells; the data sheet's values, then the true errors."""
+    """Messages of the bus: the data sheet's values, then the true errors."""
 
     rate_hz: Annotated[float, Range(0.1, 100)] = 10.0
     """Rate of the messages, Hz; J1939 sends engine messages every 10 to 100 ms."""
@@ -64,7 +64,7 @@ class Bus:
 
 @dataclass(frozen=True, kw_only=True)
 class BusState:
-    """Where the bus stands."""
+    """State of the bus."""
 
     reader: Reader
     arrival_ns: int

@@ -1,10 +1,10 @@
-"""What an estimator is told of the sensors: data sheets and tape measure, never a true error."""
+"""Set-up of the sensors for estimators: data sheets and tape measure, never a true error."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import atan2, dist
+from math import atan2, dist, sqrt
 
 from twin.sensors import camera, own
 from twin.sensors.suite import Sensors
@@ -72,6 +72,7 @@ def _wheels(sensors: Sensors, geometry: Geometry) -> WheelsSetup | None:
         radius_m={wheel: geometry.wheel_radius_m[wheel] for wheel in WHEELS},
         counts_per_turn=sensors.wheels.counts_per_turn,
         zero_slip=geometry.zero_slip,
+        radius_sd=sensors.wheels.radius_error_sd / sqrt(2.0),
     )
 
 

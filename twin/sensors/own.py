@@ -1,7 +1,7 @@
-"""A sensor of one's own, found by `module:Name`: its stream, its set-up, and how it samples.
+"""Your own sensor, found by `module:Name`: its stream, its set-up, and how it samples.
 
 As a module this is what the modules of the twin's own sensors are to theirs, `init` and `sample`;
-what a user's code does wrong is told by name and line.
+errors of a user's code name the sensor and the line.
 """
 
 from __future__ import annotations
@@ -47,16 +47,16 @@ class Column:
 
 @dataclass(frozen=True, kw_only=True)
 class Sensor:
-    """Base of a sensor of one's own: a frozen dataclass of its data sheet and its true errors.
+    """Base of your own sensor: a frozen dataclass of its data sheet and its true errors.
 
-    A subclass gives `stream`, `columns`, `init` and `sample`. A field's range stands on it, as
+    A subclass gives `stream`, `columns`, `init` and `sample`. A field's range is in its type:
     `Annotated[float, Range(0, 1)]`.
     """
 
     stream: ClassVar[str] = ""
     """Name of its table in `Streams`."""
     columns: ClassVar[tuple[Column, ...]] = ()
-    """Of its table, beside `epoch_ns` and `arrival_ns`."""
+    """Columns of the stream, beside `epoch_ns` and `arrival_ns`."""
 
     def __post_init__(self) -> None:
         if not STREAM.fullmatch(self.stream) or self.stream in COLUMNS:
@@ -70,7 +70,7 @@ class Sensor:
         check_fields(self.stream, self)
 
     def setup(self, geometry: Geometry) -> Mapping[str, Value]:
-        """What an estimator is told: nominal values alone, never a true error."""
+        """Set-up for estimators: nominal values alone, never a true error."""
         return {}
 
     def init(self, seed: int, start_ns: int) -> State:
@@ -83,7 +83,7 @@ class Sensor:
 
     @property
     def name(self) -> str:
-        """Where it is found, `module:Name`."""
+        """Name of the sensor, `module:Name`."""
         kind, module = type(self), type(self).__module__
         script = getattr(sys.modules.get("__main__"), "__file__", None)
         if module == "__main__" and script:
@@ -92,7 +92,7 @@ class Sensor:
 
     @classmethod
     def by_name(cls, spec: str) -> Sensor:
-        """The sensor `module:Name` stands for, a class with its defaults or an instance.
+        """The sensor `module:Name`, a class with its defaults or an instance.
 
         Raises:
             BadInput: there is no such thing, or it is no Sensor.
@@ -133,7 +133,7 @@ def _made(spec: str, kind: type[Sensor], fields: Mapping[str, object]) -> Sensor
 
 @dataclass(frozen=True, kw_only=True)
 class OwnState:
-    """Where a sensor of one's own stands."""
+    """State of a user's own sensor."""
 
     state: State
     arrival_ns: int
@@ -162,7 +162,7 @@ def sample(config: Sensor, state: OwnState, chunk: Trajectory) -> tuple[OwnState
 
 
 def setup(config: Sensor, geometry: Geometry) -> OwnSetup:
-    """What an estimator is told of the sensor. Raises BadInput if it is no data sheet."""
+    """Set-up of the sensor for estimators. Raises BadInput if it is no data sheet."""
     with failing(f"sensor '{config.name}': setup", config):
         told = dict(config.setup(geometry))
     values = {str(name): _value(config, str(name), value) for name, value in told.items()}

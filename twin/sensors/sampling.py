@@ -58,7 +58,7 @@ def due(clock: Clock, grid_ns: Stamps) -> tuple[Clock, Stamps]:
 
 @dataclass(frozen=True, kw_only=True)
 class Reader:
-    """Where a sampler of a trajectory stands: its clock and the last physics row it saw."""
+    """State of a sampler of a trajectory: its clock and the last physics row it saw."""
 
     clock: Clock
     grid_ns: Stamps = field(default_factory=lambda: np.empty(0, np.int64))
@@ -75,7 +75,7 @@ def read(
 ) -> tuple[Reader, Stamps, dict[str, Array]]:
     """Columns of a trajectory at the sensor's epochs.
 
-    On the physics grid a row is taken as it is; between two rows it is interpolated linearly,
+    A row on the physics grid is taken unchanged; between two rows it is interpolated linearly,
     x = a + f (b - a), which errs by at most x'' h^2 / 8: 1 um for 2 m/s2 on a 2 ms grid.
 
     Args:
@@ -126,7 +126,7 @@ def _interpolate(a: Array, b: Array, fraction: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Averager:
-    """Where the running integral of a signal of m components stands."""
+    """State of the running integral of a signal of m components."""
 
     clock: Clock
     integral: Array

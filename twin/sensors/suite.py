@@ -41,7 +41,7 @@ MODULES: dict[str, ModuleType] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Sensors:
-    """What is fitted; None switches a sensor off."""
+    """The sensors of a machine; None leaves a sensor out."""
 
     gnss: Gnss | None = field(default_factory=Gnss)
     """Dual-antenna RTK receiver."""
@@ -56,7 +56,7 @@ class Sensors:
     camera: Camera | None = None
     """Camera that looks down at the ground."""
     faults: tuple[Fault, ...] = ()
-    """What goes wrong with wires, counters and clocks, and when."""
+    """Scheduled faults of wires, counters and clocks."""
     ignition_off_s: ignition.Pairs = ()
     """When the ignition is off: start from the run's start and duration, pairs [s]."""
     extra: tuple[Sensor, ...] = ()
@@ -81,9 +81,9 @@ class Sensors:
 
 @dataclass(frozen=True, kw_only=True)
 class SuiteState:
-    """Where each sensor stands, and the samples that are still on their way.
+    """State of each sensor, and the samples that have not arrived yet.
 
-    It holds random generators, which move on as it is used: to branch a run, deep-copy it first.
+    It holds random generators, which `sample` advances: to branch a run, deep-copy it first.
     """
 
     sensors: dict[str, State]
@@ -91,7 +91,7 @@ class SuiteState:
     start_ns: int = 0
     """Instant from which scheduled faults count."""
     held: Mapping[int, Held] = field(default_factory=dict)
-    """What faults remember, by their number."""
+    """States of the faults, by their number."""
     restarts: tuple[ignition.Restart, ...] = ()
     """Times without ignition."""
     switched: Mapping[str, ignition.Held] = field(default_factory=dict)
@@ -117,7 +117,7 @@ def sample(sensors: Sensors, state: SuiteState, chunk: Trajectory) -> tuple[Suit
 
     A sample that describes an instant of this chunk but is still on its way comes out of a
     later one, so whoever consumes the stream as it runs sees nothing early, and every chunking
-    hands on the same samples in the same order.
+    gives the same samples in the same order.
     """
     states, waiting, arrived, held = {}, {}, {}, state.held
     switched = dict(state.switched)
@@ -174,9 +174,10 @@ ERRORS = ("_sd", "noise", "instability", "jitter", "latency", "vibration")
 
 
 def ideal() -> Sensors:
-    """Sensors without noise, drawn errors, latency or vibration; rates and resolutions stay.
+    """Sensors without noise, calibration errors, latency or vibration, and without a camera.
 
-    The IMU keeps its low-pass, and its samples arrive as late as that makes them.
+    Sample rates and resolutions are unchanged. The IMU keeps its low-pass filter, and its samples
+    arrive late by the delay of this filter. Wheel encoders start at a random phase.
     """
     return Sensors(
         gnss=_quiet(Gnss()),

@@ -20,7 +20,7 @@ IDLE_RADPS = 60.0
 
 @dataclass(frozen=True, kw_only=True)
 class Vibration:
-    """Where the crankshaft stands."""
+    """State of the crankshaft."""
 
     crank_rad: float
     epoch_ns: Stamps

@@ -53,7 +53,7 @@ class Wheels:
 
 @dataclass(frozen=True, kw_only=True)
 class WheelsState:
-    """Where the encoders stand, and the errors drawn for this run."""
+    """State of the encoders, and the errors drawn for this run."""
 
     reader: Reader
     arrival_ns: int

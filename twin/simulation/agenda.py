@@ -15,11 +15,11 @@ DEAD_S = 20.0
 """Longest time that an event which waits for a stand, or for a way backed up, may take [s]; then it
 is given up: the machine cannot do it."""
 BACK_KMH = 5.0
-"""Speed at which a driver backs up who is not told another for the headland [km/h]; assumed."""
+"""Speed at which a driver backs up if `headland_kmh` gives none [km/h]; assumed."""
 DECISION_S = 0.02
 """Time between two decisions."""
 FOOT, FOOT_TAU_S = 25, 3.0
-"""What tells the foot's numbers from others of a seed, and the time it stays where it is [s];
+"""Number of the foot's random stream of a seed, and the time constant of its motion [s];
 assumed."""
 FOOT_S = 0.3
 """Time that a driver allows for his foot to reach the brake [s]; assumed."""

@@ -30,14 +30,15 @@ x_axis = inlined_law(quaternion.x_axis)
 
 @law
 def observe(
-    qpos: Array, userdata: Array, world_from_ground: Array, links: int, seen: Records
+    qpos: Array, qvel: Array, userdata: Array, world_from_ground: Array, links: int, seen: Records
 ) -> None:
-    """Place and heading on the ground's line, depth and draft, hitch.
+    """Place, heading and speed on the ground's line, depth and draft, hitch.
 
         along = x . p    left = y . p    heading = atan2(y . a, x . a)
 
     Args:
         qpos: position p of the rear-axle centre, attitude with x axis a, joints (nsim, nq).
+        qvel: velocity of the rear-axle centre, rates (nsim, nv).
         userdata: the callback's report (nsim, nuserdata).
         world_from_ground: rotation whose columns are x along the line and y to its left
             (nsim, 3, 3).
@@ -57,6 +58,8 @@ def observe(
         now.depth_m = userdata[i, DEPTH_SLOT]
         now.draft_n = userdata[i, DRAFT_SLOT]
         now.hitch_rad = qpos[i, links] if links >= 0 else 0.0
+        vx, vy, vz = qvel[i, 0], qvel[i, 1], qvel[i, 2]
+        now.speed_mps = math.sqrt(vx * vx + vy * vy + vz * vz)
 
 
 @law

@@ -12,9 +12,12 @@ from twin.scenario.plough import DRAFT_MODES
 from twin.simulation.controls import lagged, towards, within
 
 LOOKAHEAD_M = 5.0
-"""Distance over which a lateral error is steered out [m]; assumed."""
+"""Distance over which a lateral error is steered out at a slow pace [m]; assumed."""
+LOOKAHEAD_S = 1.5
+"""Time ahead that a driver looks at a fast pace [s], more than LOOKAHEAD_M above 12 km/h; assumed.
+A fixed distance makes the machine swing about its line at 20 km/h."""
 STEER_GAIN_RAD_PER_MS = 0.02
-"""Integral gain on a lateral error that stays [rad/(m s)], slower than the look ahead."""
+"""Integral gain at a slow pace on a lateral error that stays [rad/(m s)]; slower than the rest."""
 MOST_BIAS_RAD = 0.2
 """Largest steering angle held against a lateral force that stays [rad]."""
 MOST_STEER_RAD = 0.6
@@ -70,6 +73,8 @@ class Observation(NamedTuple):
     draft_n: float = 0.0
     hitch_rad: float = 0.0
     """Angle of the lower links."""
+    speed_mps: float = 0.0
+    """Speed of the rear-axle centre, without a sign."""
     turning: bool = False
     """On a headland, the plough raised."""
     curvature_pm: float = 0.0
@@ -150,7 +155,8 @@ def drive(task: DriverTask, last: DriverState, seen: Observation, dt_s: float) -
     """The controls for the next interval."""
     bias = last.bias_rad
     if not (seen.turning or seen.backing):
-        change = task.steer_gain_rad_per_ms * seen.left_m * dt_s
+        gain = task.steer_gain_rad_per_ms * (LOOKAHEAD_M / lookahead_m(seen.speed_mps)) ** 2
+        change = gain * seen.left_m * dt_s
         bias = within(-MOST_BIAS_RAD, bias - change, MOST_BIAS_RAD)
     steer_rad = 0.0
     if task.hold_line:
@@ -186,7 +192,7 @@ def work(
     seen: Observation,
     dt_s: float,
 ) -> tuple[float, float]:
-    """Lift and trim while the plough is lowered, then held as the hitch is told to."""
+    """Lift and trim while the plough is lowered, then by the hitch's mode."""
     if task.hitch == HitchControl.DEPTH:
         if at_depth or lift_rad <= task.work_rad + trim_rad:
             rate = DEPTH_GAIN_RAD_PER_MS * (seen.depth_m - task.depth_m)
@@ -232,19 +238,26 @@ def lifted(task: DriverTask, now_rad: float, wanted_rad: float, dt_s: float) -> 
 
 
 @law
+def lookahead_m(speed_mps: float) -> float:
+    """How far ahead the driver looks: d = max(d_0, T v)."""
+    return max(LOOKAHEAD_M, LOOKAHEAD_S * speed_mps)
+
+
+@law
 def steer(
     task: DriverTask, now_rad: float, seen: Observation, bias_rad: float, dt_s: float
 ) -> float:
     """The steering angle of a bicycle for the next interval.
 
-    Towards a point ahead, linearised (pure pursuit), beside the angle known to be needed:
+    Towards a point d ahead, linearised (pure pursuit), beside the angle known to be needed:
         delta = bias + atan(L curvature) - (2 L / d**2) y - (2 L / d) psi
     """
+    ahead_m = lookahead_m(seen.speed_mps)
     wanted = (
         bias_rad
         + math.atan(task.wheelbase_m * seen.curvature_pm)
-        - (2.0 * task.wheelbase_m / LOOKAHEAD_M**2) * seen.left_m
-        - (2.0 * task.wheelbase_m / LOOKAHEAD_M) * seen.heading_rad
+        - (2.0 * task.wheelbase_m / ahead_m**2) * seen.left_m
+        - (2.0 * task.wheelbase_m / ahead_m) * seen.heading_rad
     )
     if seen.backing:  # seen along the way, the machine drives its rear axle first
         wanted = bias_rad - (wanted - bias_rad)

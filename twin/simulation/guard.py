@@ -112,7 +112,7 @@ class StateRing:
     """The states at the last decisions: a ring that is written over."""
 
     def __init__(self, shape: tuple[int, ...], count: int) -> None:
-        """Room for so many arrays of a shape, (nsim, nstate)."""
+        """Memory for a number of arrays of shape (nsim, nstate)."""
         self._rows = np.empty((count, *shape))
         self._count = 0
 

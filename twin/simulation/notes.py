@@ -13,8 +13,8 @@ from twin.streams import Table
 AXLES = {"front": (0, 1), "rear": (2, 3)}
 """Wheels of each axle, in the order of block.WHEELS."""
 TOO_FAST = 1.5
-"""Speed over what the governor asks that is told [-]: braked wheels skid at 30 % by then, and hold
-nine tenths of all they can."""
+"""Engine speed over the governor's set speed from which a note is given [-]: braked wheels skid at
+30 % by then, and hold nine tenths of all they can."""
 TOO_FAST_S = 1.0
 """How long it must last [s]."""
 

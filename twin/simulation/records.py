@@ -15,10 +15,10 @@ Records: TypeAlias = NDArray[Any]
 
 
 def records(row: NamedTuple, count: int) -> Records:
-    """So many rows, each with the values of one. Shape (count,).
+    """A structured array of `count` rows, each a copy of `row`. Shape (count,).
 
     Args:
-        row: floats, integers and booleans by name.
+        row: NamedTuple of floats, integers and booleans; its field names become the array's.
         count: number of rows.
     """
     kinds = [(name, np.asarray(value).dtype) for name, value in row._asdict().items()]

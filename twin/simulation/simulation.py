@@ -108,7 +108,7 @@ class Simulation:
 
     def observe(self) -> Records:
         """What the drivers see now, an Observation of each. Shape (nsim,)."""
-        observe(self.qpos, self.slots, self.world_from_ground, self.links, self.seen)
+        observe(self.qpos, self.qvel, self.slots, self.world_from_ground, self.links, self.seen)
         return self.seen
 
     def decide(self) -> None:

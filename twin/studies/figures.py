@@ -21,7 +21,7 @@ SPREAD = 0.7
 """Share of a setting's place that its estimators stand side by side in."""
 BARS: Any = {"ms": 4.0, "lw": 1.1, "capsize": 2.5}
 LABEL_LETTERS = 34
-"""A label is broken between its words to lines of so many letters."""
+"""Longest line of a label, in letters; it is broken between words."""
 
 Array = NDArray[np.float64]
 

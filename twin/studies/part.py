@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from twin.errors import TwinError
 from twin.io.atomic import written_when_complete
@@ -17,9 +17,12 @@ from twin.io.plain import Plain
 from twin.pipeline import named as registry
 from twin.pipeline.estimating import estimates
 from twin.pipeline.scored import bound
-from twin.plugins.lookup import line
+from twin.plugins.lookup import Thing, line
 from twin.scores import scores
 from twin.studies.plan import Case
+
+if TYPE_CHECKING:
+    from twin.pipeline.result import Result
 
 Row = dict[str, Plain]
 
@@ -54,7 +57,7 @@ def rows(case: Case) -> list[Row]:
     ]
 
 
-def _bounds(case: Case, done: Any) -> Row:
+def _bounds(case: Case, done: Result) -> Row:
     """`bound.*`: the smallest errors that the sensors and the motion allow, where there are any."""
     if scores.why_unscored(done.truth, case.run, done.end) is not None:
         return {}
@@ -65,7 +68,7 @@ def _bounds(case: Case, done: Any) -> Row:
         return {}
 
 
-def _estimated(case: Case, name: str, done: Any) -> Row:
+def _estimated(case: Case, name: str, done: Result) -> Row:
     planned = done.end is None or done.end.as_planned
     head: Row = {"error": None, "ended": done.ended, "as_planned": planned}
     if scores.why_unscored(done.truth, case.run, done.end) is not None:
@@ -81,7 +84,7 @@ def _estimated(case: Case, name: str, done: Any) -> Row:
     return head | found
 
 
-def seeded(estimator: Any, seed: int) -> Any:
+def seeded(estimator: Thing, seed: int) -> Thing:
     """The estimator with the run's seed, if it has chance of its own."""
     chance = dataclasses.is_dataclass(estimator) and hasattr(estimator, "seed")
     return dataclasses.replace(estimator, seed=seed) if chance else estimator

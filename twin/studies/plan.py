@@ -1,6 +1,7 @@
 """The runs of a study.
 
-The same seeds serve every scenario, sweep and estimator, so that differences are paired.
+Every scenario and every combination of swept values is run with the same seeds, and all estimators
+see the same runs. So two estimators can be compared seed by seed.
 """
 
 from __future__ import annotations
@@ -12,13 +13,20 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from twin.errors import BadInput
 from twin.io.plain import Plain, to_plain
 from twin.pipeline import named as registry
 from twin.pipeline.unread import complaint
+from twin.plugins.lookup import Thing
 from twin.scenario import Scenario, fields
+
+NOT_SWEPT = {
+    "seed": "`--seeds` takes the seeds (`seeds=` from Python)",
+    "name": "it changes nothing in a run",
+    "about": "it changes nothing in a run",
+}
+"""Fields that cannot be swept, and why."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +37,7 @@ class Case:
     """As it was asked for."""
     swept: tuple[tuple[str, Plain], ...]
     """Path and value of each swept field."""
-    run: Any
+    run: Thing
     """The scenario itself, swept fields and seed in place."""
     estimators: tuple[str, ...]
     """As they were asked for: names, or module:Name."""
@@ -73,7 +81,7 @@ def left_out(scenarios: Sequence[str], sweeps: Mapping[str, Sequence[Plain]]) ->
     return _settings(scenarios, sweeps)[1]
 
 
-Setting = tuple[str, tuple[tuple[str, Plain], ...], Any]
+Setting = tuple[str, tuple[tuple[str, Plain], ...], Thing]
 """Name of a scenario, path and value of each swept field, and the scenario with them."""
 
 
@@ -83,8 +91,12 @@ def _settings(
     """The settings of a plan, and what is said of those that are left out.
 
     Raises:
-        BadInput: all are left out, or a scenario is as it stands, without a sweep.
+        BadInput: a field cannot be swept, all settings are left out, or a scenario without a sweep
+            sets a field that its run would not read.
     """
+    for path in sweeps:
+        if path in NOT_SWEPT:
+            raise BadInput(f"{path} cannot be swept: {NOT_SWEPT[path]}")
     kept: list[Setting] = []
     said: list[str] = []
     for scenario in dict.fromkeys(scenarios):
@@ -104,13 +116,13 @@ def _settings(
     return kept, said
 
 
-def _told(name: str, estimator: Any) -> Any:
-    """What tells an estimator from another: its name, and its settings where it shows them."""
+def _told(name: str, estimator: Thing) -> Plain:
+    """What identifies an estimator: its name, and its settings if it is a dataclass."""
     shows = dataclasses.is_dataclass(estimator) and not isinstance(estimator, type)
     return [name, to_plain(estimator) if shows else None]
 
 
-def _digest(run: Any, told: Mapping[str, Plain]) -> str:
+def _digest(run: Thing, told: Mapping[str, Plain]) -> str:
     run = run.with_numbers() if isinstance(run, Scenario) else run  # an edited preset is another
     said = {"kind": type(run).__qualname__, "run": to_plain(run), "estimators": told}
     text = json.dumps(said, sort_keys=True, default=repr)

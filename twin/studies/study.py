@@ -58,7 +58,7 @@ def study(
     Args:
         scenarios, estimators: names, or `module:Name` of your own.
         out: folder of the study; what is done there is not done again.
-        seeds: the same for every scenario and sweep.
+        seeds: of the runs; every scenario and every combination of swept values has the same.
         sweeps: field by dotted path -> the values it takes.
         against: an estimator that the others are compared with, seed by seed.
         jobs: processes; -1 for as many as the backend has.
@@ -68,7 +68,10 @@ def study(
         progress: called with the share of the runs done.
 
     Raises:
-        BadInput: a name or a field is unknown, or the folder is not a study's.
+        UnknownName: there is no such scenario, estimator or field.
+        BadInput, OutOfRange: a field cannot be swept or cannot have a value, all combinations are
+            left out, `against` is none of the estimators, or the folder is not a study's.
+        NoSpace: the disk is full.
 
     Example:
         >>> done = twin.study(["plough-25cm"], ["ratio"], out="studies/one")  # doctest: +SKIP
@@ -79,6 +82,8 @@ def study(
 
     swept, folder = dict(sweeps or {}), Path(out)
     names, runs, chosen = list(scenarios), list(seeds), list(estimators)
+    if against is not None and against not in chosen:
+        raise BadInput(f"against = {against} is none of the estimators {', '.join(chosen)}")
     cases = plan(names, runs, chosen, swept)
     arguments = {"scenarios": names, "seeds": runs, "estimators": chosen, "against": against}
     begin(folder, asked or {**arguments, "sweeps": {k: list(v) for k, v in swept.items()}})

@@ -3,7 +3,7 @@
 The lower end of the interval is at least 0 for what cannot be negative, as an RMSE.
 
 Runs that failed are left out and counted. Runs that were not driven as planned are counted, and
-stand in the means with what was scored of them.
+are in the means with the part that was scored.
 """
 
 from __future__ import annotations

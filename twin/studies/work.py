@@ -22,7 +22,7 @@ from twin.studies.plan import Case
 LOCAL = "loky"
 """joblib's own local processes."""
 REGISTERED_BY = {"ray": "ray.util.joblib:register_ray"}
-"""Backends that joblib knows only once their own package has told it."""
+"""Backends that joblib knows only once their own package has registered them."""
 
 
 def missing(cases: Sequence[Case], folder: Path) -> list[Case]:

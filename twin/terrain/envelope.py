@@ -16,6 +16,8 @@ Axis = Literal["along", "across"]
 AXES: tuple[Axis, ...] = ("along", "across")
 REACH = 0.75
 """How far the arc reaches to each side, over the radius: it meets a slope of 1 at 0.71."""
+CACHED = 16384
+"""Nodes that are worked on at a time: a processor's cache holds them."""
 
 
 def envelope(heights: GridMap, radius_m: float, axis: Axis) -> Array:
@@ -35,13 +37,33 @@ def envelope(heights: GridMap, radius_m: float, axis: Axis) -> Array:
         nodes that lie as those of `heights`.
     """
     across = axis == "across"
-    count = heights.nodes.shape[0 if across else 1]
     reach = int(REACH * radius_m / heights.cell_m)
-    felt = heights.nodes.copy()
-    for k in (k for k in range(-reach, reach + 1) if k):
-        sag_m = radius_m - np.sqrt(radius_m**2 - (k * heights.cell_m) ** 2)
-        at = np.arange(count) + k
-        at = at % count if heights.repeats else np.clip(at, 0, count - 1)
-        shifted = heights.nodes[at] if across else heights.nodes[:, at]
-        np.maximum(felt, shifted - sag_m, out=felt)
+    sag_m = radius_m - np.sqrt(radius_m**2 - (np.arange(reach + 1) * heights.cell_m) ** 2)
+    felt, none = heights.nodes.copy(), (0, 0)
+    beyond = ((reach, reach), none) if across else (none, (reach, reach))
+    wide = np.pad(heights.nodes, beyond, mode="wrap" if heights.repeats else "edge")
+    rows = max(1, CACHED // felt.shape[1])
+    for first in range(0, len(felt), rows):
+        part = felt[first : first + rows]
+        reached = wide[first : first + len(part) + (2 * reach if across else 0)]
+        if across:
+            _raise(part, reached, sag_m)
+        else:
+            _raise(part.T, reached.T, sag_m)
     return felt
+
+
+def _raise(felt: Array, wide: Array, sag_m: Array) -> None:
+    """Raise heights to where the arc touches k rows before or after: max(h_-k, h_k) - sag_k.
+
+    Args:
+        felt: read and written (n, m).
+        wide: the heights, with the arc's reach before and after (reach + n + reach, m).
+        sag_m: of the arc at 0 .. reach rows from its middle (reach + 1,).
+    """
+    n, middle, touched = len(felt), len(sag_m) - 1, np.empty_like(felt)
+    for k in range(1, len(sag_m)):
+        before, after = (wide[at : at + n] for at in (middle - k, middle + k))
+        np.maximum(before, after, out=touched)
+        touched -= sag_m[k]
+        np.maximum(felt, touched, out=felt)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -49,10 +51,18 @@ def height_map(scenario: Scenario) -> GridMap | None:
         return _from_file(nodes, field.map_cell_m, field.map_start_m)
     if field.roughness_class == "smooth":
         return None
-    rng = np.random.default_rng((scenario.seed, ROUGHNESS_STREAM))
     start, right, shape = _covering(scenario, random.CELL_M)
-    nodes = random.rough_heights(field.roughness_class, shape, rng)
+    nodes = _rough(field.roughness_class, shape, scenario.seed)
     return GridMap(nodes, random.CELL_M, start, right, repeats=True)
+
+
+@lru_cache(maxsize=1)
+def _rough(roughness_class: str, shape: tuple[int, int], seed: int) -> Array:
+    """The last one is kept: a run drives on it and draws it."""
+    rng = np.random.default_rng((seed, ROUGHNESS_STREAM))
+    nodes = random.rough_heights(roughness_class, shape, rng)
+    nodes.flags.writeable = False
+    return nodes
 
 
 def mixture_map(scenario: Scenario) -> GridMap | None:

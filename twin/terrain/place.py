@@ -42,15 +42,26 @@ def _add_flat(spec: mujoco.MjSpec, name: str, rows: int, columns: int, size: lis
 def fill(model: mujoco.MjModel, maps: dict[str, GridMap], radii_m: tuple[float, ...]) -> None:
     """Write maps, and the envelopes of their heights, into a compiled model."""
     for name, grid in maps.items():
-        _fill(model, name, grid.nodes, grid)
+        _write(_nodes(model, name), grid.nodes, *_range(grid))
     if "heights" in maps:
-        _fill(model, ENVELOPES, _envelopes(maps["heights"], radii_m), maps["heights"])
+        kinds, span = [(r, axis) for r in radii_m for axis in AXES], _range(maps["heights"])
+        parts = np.split(_nodes(model, ENVELOPES), len(kinds))
+        for part, (radius_m, axis) in zip(parts, kinds, strict=True):
+            _write(part, envelope(maps["heights"], radius_m, axis), *span)
 
 
-def _fill(model: mujoco.MjModel, name: str, nodes: Array, scale: GridMap) -> None:
-    low, span = _range(scale)
-    first = int(model.hfield_adr[model.hfield(name).id])
-    model.hfield_data[first : first + nodes.size] = ((nodes - low) / span).ravel()
+def _nodes(model: mujoco.MjModel, name: str) -> NDArray[np.float32]:
+    """Those of a model's height field."""
+    field = model.hfield(name).id
+    first, count = model.hfield_adr[field], model.hfield_nrow[field] * model.hfield_ncol[field]
+    return np.asarray(model.hfield_data[first : first + count])
+
+
+def _write(places: NDArray[np.float32], values: Array, low: float, span: float) -> None:
+    """Write values as shares of their span."""
+    shares = values - low
+    shares /= span
+    places[:] = shares.ravel()
 
 
 def grid_part(model: mujoco.MjModel, name: str, grid: GridMap, at: int) -> dict[int, float]:
@@ -72,18 +83,14 @@ def grid_part(model: mujoco.MjModel, name: str, grid: GridMap, at: int) -> dict[
 
 
 def add_envelopes(spec: mujoco.MjSpec, heights: GridMap, radii_m: tuple[float, ...]) -> None:
-    """Add the place of the heights as wheels feel them; `fill` writes them."""
+    """Add the place of the heights as wheels feel them; `fill` writes them.
+
+    They stand one below another, along and across for each radius, scaled as the heights
+    themselves, whose range they keep to.
+    """
     rows, columns = heights.nodes.shape
     rows *= len(radii_m) * len(AXES)
     _add_flat(spec, ENVELOPES, rows, columns, [1.0, 1.0, _range(heights)[1], 0.1])
-
-
-def _envelopes(heights: GridMap, radii_m: tuple[float, ...]) -> Array:
-    """The heights as wheels feel them, one below another: along and across for each radius.
-
-    Scaled as the heights themselves, whose range they keep to.
-    """
-    return np.concatenate([envelope(heights, r, axis) for r in radii_m for axis in AXES])
 
 
 def first_envelope(model: mujoco.MjModel) -> int:

@@ -31,7 +31,7 @@ SETTLED_S = 2.0
 RIGHT = 0.06
 """Median error of slip that no estimator needs, after two seconds [-]."""
 LEAST_COVERAGE, SEEDS = 0.5, 5
-"""Share of errors within two reported standard deviations, over so many drives; 0.954 is due, and
+"""Share of errors within two reported standard deviations, over this many drives; 0.954 is due, and
 far less is a filter that is sure of what it does not know."""
 
 

@@ -89,7 +89,12 @@ def derivative(f: Of, t: Array) -> Array:
 
 
 def streams(drive: Drive, of: Setup, seed: int = 1) -> Streams:
-    """The streams of a drive: gnss, imu and wheels, with data-sheet noise from the seed.
+    """Synthetic samples of GNSS without positions, IMU and wheels for a straight drive.
+
+    Args:
+        drive: speed, slip and rates. Its `noise` multiplies the sd of the set-up.
+        of: lever arms and sd of GNSS and IMU. Wheels have radii and counts of this module.
+        seed: of the noise. Encoder counts are rounded and have no other noise.
 
     Raises:
         ValueError: the set-up has no gnss or no imu.

@@ -64,14 +64,14 @@ class End:
     time_s: float
     """Time of the end, as the epochs count it [s]."""
     along_m: float
-    """Distance along what was being driven."""
+    """Distance along `way` [m]."""
     left_m: float
-    """Distance beside its line, positive to the left."""
+    """Distance from the line of `way`, positive to the left [m]."""
     way: str = "the course"
-    """What was being driven: the course, one of its passes, or the turn before one."""
+    """Part that was being driven: the course, one of its passes, or the turn before one."""
     measured: float
-    """What decided it, in `unit`: metres driven along, the depth reached, metres gained, the slip,
-    the engine's speed, metres beside the line, degrees from the vertical."""
+    """Value that decided the end, in `unit`: metres driven along, the depth reached, metres
+    gained, the slip, the engine's speed, metres beside the line, degrees from the vertical."""
 
     @property
     def as_planned(self) -> bool:
@@ -104,7 +104,7 @@ class End:
         return f"{self.outcome}{when if self.early else ''}: {words}"
 
     def plain(self) -> dict[str, bool | float | str]:
-        """As it stands in scores.json."""
+        """The form in scores.json."""
         return {
             "outcome": str(self.outcome), "as_planned": self.as_planned, "time_s": self.time_s,
             "along_m": self.along_m, "left_m": self.left_m, "way": self.way,

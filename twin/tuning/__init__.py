@@ -1,1 +1,1 @@
-"""Noises of estimators from one's own log: found on one part of it, judged on the other."""
+"""Noises of estimators from your own log: found on one part of it, judged on the other."""

@@ -19,7 +19,7 @@ from twin.tuning.stages import RECEIVER, total
 Array = NDArray[np.float64]
 
 HIDDEN_S = 10.0
-"""For so long GNSS is hidden to score the speed that is foretold [s]."""
+"""Time for which GNSS is hidden to score the predicted speed [s]."""
 LEAST_PLACES = 8
 """From fewer hidden times or blocks no interval is made."""
 REFERENCES = {"slip": "1", "sideslip_rad": "rad", "speed_mps": "m/s"}
@@ -89,7 +89,7 @@ def rms_gain(quantity: str, unit: str, before: Array, after: Array) -> Gain | No
 
 
 def verdict(gains: Iterable[Gain]) -> str:
-    """`better` where the log density is, and nothing that tells of the speed is worse."""
+    """`better` where the log density is better and no measure of the speed is worse."""
     density, *others = (gain.verdict for gain in gains if gain.decides)
     return "worse" if "worse" in others else density
 
@@ -124,15 +124,15 @@ class HeldOut:
                 yield density_gain(what, before[RECEIVER], after[RECEIVER], n)
 
     def errors(self, before: Estimator, after: Estimator) -> Iterator[Gain]:
-        """The gain of the speed foretold without GNSS, and against a reference."""
+        """The gain of the speed predicted without GNSS, and against a reference."""
         pair = {BEFORE: before, AFTER: after}
-        ahead = self._foretold(pair)
+        ahead = self._predicted(pair)
         if ahead is not None:
             yield ahead
         yield from self._of_reference(pair)
 
-    def _foretold(self, pair: Mapping[str, Estimator]) -> Gain | None:
-        """The error of the speed foretold while GNSS is hidden."""
+    def _predicted(self, pair: Mapping[str, Estimator]) -> Gain | None:
+        """The error of the speed predicted while GNSS is hidden."""
         if "gnss" not in self.streams:
             return None
         squares: dict[str, list[Array]] = {BEFORE: [], AFTER: []}
@@ -146,7 +146,7 @@ class HeldOut:
                 squares[name].append(speed**2)
         if not squares[BEFORE]:
             return None
-        what = f"speed foretold {HIDDEN_S:g} s without GNSS"
+        what = f"speed predicted {HIDDEN_S:g} s without GNSS"
         return rms_gain(what, "m/s", *(np.concatenate(squares[n]) for n in (BEFORE, AFTER)))
 
     def _of_reference(self, pair: Mapping[str, Estimator]) -> Iterator[Gain]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.errors import BadInput
 from twin.plugins.failing import failing
+from twin.plugins.lookup import Thing
 from twin.plugins.percent import MOVING_MPS
 from twin.scores.hidden import speeds
 from twin.streams import Setup, Streams, Table
@@ -21,13 +21,13 @@ OUTLIER_SHARE, OUTLIER_SD = 0.01, 10.0
 COLUMNS = ("epoch_ns", "sensor", "innovation", "variance")
 
 
-def innovations(name: str, estimator: Any, setup: Setup, streams: Streams) -> Table:
+def innovations(name: str, estimator: Thing, setup: Setup, streams: Streams) -> Table:
     """The innovations of an estimator while driving, each with its epoch and variance.
 
     Args:
         name: what messages call the estimator.
         estimator: with `innovations(setup, streams) -> table`.
-        setup, streams: what it is told, and what it sees.
+        setup, streams: given to it.
 
     Raises:
         BadInput: it has none, fails, or its table lacks a column.

@@ -1,24 +1,24 @@
-"""Which noises there are to tune, what stands for them now, and how far that may be off."""
+"""Which noises can be tuned, their present values, and how far these may be off."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.errors import BadInput, UnknownName
 from twin.pipeline.tuned import FACTORS, Noises
+from twin.plugins.lookup import Thing
 from twin.scenario.fields import value
 from twin.streams import Setup, Streams
 
 PRIOR_FACTOR = {"measured": 1.2, "published": 2.0, "derived": 3.0, "assumed": 10.0}
 """Grade of a value -> the factor by which it is off by one standard deviation of the prior."""
 BOUND_SD = 3.0
-"""No value is moved by more than so many of these."""
+"""No value is changed by more than this many standard deviations of the prior."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +45,7 @@ class Noise:
         return BOUND_SD * self.prior_sd
 
 
-def noises_of(name: str, estimator: Any, setup: Setup, streams: Streams) -> list[Noise]:
+def noises_of(name: str, estimator: Thing, setup: Setup, streams: Streams) -> list[Noise]:
     """The noises of an estimator on a log: its own fields, and those of the sensors in the log.
 
     Args:

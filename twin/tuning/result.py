@@ -22,7 +22,7 @@ class Value:
     grade: str
     before: float
     value: float
-    """What the log says; `before` where it cannot tell, or agrees with it."""
+    """Value by the log; `before` where the log does not determine it, or agrees with it."""
     low: float
     high: float
     """95 % interval; NaN where there is none."""
@@ -35,19 +35,20 @@ class Value:
 
 @dataclass(frozen=True, kw_only=True)
 class Tuning:
-    """What a log says of the noises of an estimator."""
+    """Noises of an estimator by a log, and what they gain."""
 
     estimator: str
     values: tuple[Value, ...]
     gains: tuple[Gain, ...]
-    """On the held-out part, of all values together."""
+    """Gains of all values together on the held-out part."""
     starts: tuple[float, ...]
     """Log density that each search reached."""
     learnt_s: float
+    """Time of driving from which was learnt [s]."""
     held_out_s: float
-
+    """Time of driving that was held out [s]."""
     kept: str
-    """What of it holds on the held-out part: `all`, `sensors` or `nothing`."""
+    """Values that are kept after the held-out part: `all`, `sensors` or `nothing`."""
 
     @property
     def verdict(self) -> str:

@@ -1,4 +1,4 @@
-"""The noises under which a log is likeliest, and which of them the log can tell.
+"""The noises under which a log is likeliest, and which of them it determines.
 
     maximise   sum_b l_b(x) - sum_k (x_k / prior_k)^2 / 2
 
@@ -32,10 +32,10 @@ STARTS, DRAWN = 3, 8
 STEP = 0.1
 """Step of finite differences in the logarithm: a tenth of the value."""
 TELLS = 2.0
-"""Least change of the log density, over a factor of three either way, for a log to tell a noise."""
+"""Least change of the log density, over a factor of three either way, for a noise to count."""
 SPREAD = float(np.log(3.0))
 SURE_SD = 2.0
-"""A noise is moved if it is so many sd away."""
+"""A noise is changed only if its value is this many sd away from the present one."""
 LEAST = float(np.log(1.1))
 """A noise that is right within a tenth stays."""
 ENOUGH = 0.05
@@ -67,7 +67,7 @@ class Found:
 def search(
     score: Score, prior: Prior, asked: NDArray[np.bool_], before: Array, *, paired: bool, seed: int
 ) -> Found:
-    """The likeliest noises, as far as a log tells them; the others stay where they are.
+    """The likeliest noises; those that the log does not determine keep their values.
 
     Args:
         score: log densities by block.

@@ -1,8 +1,8 @@
 """Noises of sensors first, then those of the filter, as the part that is learnt from has them.
 
 A filter's model is never exact. What it gains where most innovations are, fifty a second of an
-accelerometer, may cost it the speed. So the filter's own values are found by how well it foretells
-the receiver's speed, and those that do not touch that by all innovations.
+accelerometer, may cost it the speed. So the filter's own values are found from the innovations
+of the receiver's speed; values that do not change these are found from all innovations.
 """
 
 from __future__ import annotations

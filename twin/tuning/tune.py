@@ -1,17 +1,18 @@
-"""`twin.tune`: process and sensor noises of estimators from one's own log."""
+"""`twin.tune`: process and sensor noises of estimators from your own log."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from twin.errors import BadInput
 from twin.pipeline.tuned import tuned
+from twin.plugins.lookup import Thing
 from twin.streams import Streams, Table
 from twin.tuning.held_out import Gain, HeldOut, verdict
 from twin.tuning.likelihood import in_blocks, innovations
@@ -41,7 +42,7 @@ def tune(
     """The noises under which a log's innovations are likeliest, estimator by estimator.
 
     The first part of the log is learnt from. What is gained is measured on the rest, by pairs of
-    blocks of time. A noise that the log cannot tell, or of which it says no other, stays.
+    blocks of time. A noise that the log does not determine, or confirms, keeps its value.
 
     Args:
         log: a run folder, a table, NMEA, CAN, UBX, a bag, or what `reader` reads; or several files.
@@ -51,9 +52,10 @@ def tune(
         learn_share: part of the log's time that is learnt from.
         strict: refuse a log with a single bad row.
         seed: of the points where searches begin.
-        told: told how many estimators of how many are done.
+        told: called with the number of estimators that are done, and of all.
 
     Raises:
+        UnknownName: there is no such estimator or reader.
         BadInput: the log or the map cannot be used, the log is too short, or an estimator gives no
             innovations; the message names the value.
 
@@ -80,7 +82,7 @@ def tune(
 
 
 def tune_one(
-    name: str, estimator: Any, log: Log, reference: Table, learn_share: float = 0.5, seed: int = 0
+    name: str, estimator: Thing, log: Log, reference: Table, learn_share: float = 0.5, seed: int = 0
 ) -> Tuning:
     """What a log that is read already says of one estimator. Raises BadInput as `tune`."""
     setup, streams = log.setup, log.streams
@@ -89,7 +91,7 @@ def tune_one(
     learn_ns, rest_ns = parts(name, whole["epoch_ns"], learn_share)
     learnt = until(streams, int(learn_ns[-1]))
 
-    def of(x: Array) -> Any:
+    def of(x: Array) -> Thing:
         return tuned(name, estimator, moved(noises, x))
 
     def densities(x: Array, seen: Streams, edges_ns: NDArray[np.int64]) -> dict[str, Array]:

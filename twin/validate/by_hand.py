@@ -35,7 +35,7 @@ def parked(machine: Machine) -> mujoco.MjData:
 
 
 def hold(machine: Machine, state: mujoco.MjData, **controls: float) -> None:
-    """Set controls by name; the hitch is raised unless told."""
+    """Set controls by name; the hitch is raised unless it is named."""
     raised = {} if machine.hitch is None else {"lift": RAISED_RAD}
     for name, value in (raised | controls).items():
         state.ctrl[machine.model.actuator(name).id] = value

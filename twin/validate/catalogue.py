@@ -26,7 +26,7 @@ ROAD = Soil(preset="asphalt")
 POWERS_KW = {"jd_4250": (75.6, 79.3), "jd_4450": (87.6, 89.6)}
 """Greatest drawbar power of the two published tests of each."""
 FUEL_L_PER_KWH = (0.300, 0.325)
-"""Of the take-off, in those tests."""
+"""At the power take-off (PTO), in those tests."""
 DEERE = Basis(
     grade="measured",
     source="Nebraska tests 1458, 1475 (4250) and 1459, 1476 (4450), by TractorData's records",
@@ -37,7 +37,7 @@ DEERE = Basis(
 
 
 def deere() -> list[Check]:
-    """Greatest drawbar power of two tractors, and the fuel at the take-off's rated power."""
+    """Greatest drawbar power of two tractors, and the fuel at rated PTO power."""
     out = []
     for name, published in POWERS_KW.items():
         found = gears(ROAD, speeds_kmh=(8.5, 10.0, 12.0), machine=name)
@@ -53,7 +53,7 @@ def deere() -> list[Check]:
         per_kwh = litres / (1e-3 * numbers["engine.pto_efficiency"] * power_w)
         low, high = FUEL_L_PER_KWH
         out.append(
-            within(f"{name}, rated power", "fuel over energy of the take-off", per_kwh, "L/kWh",
+            within(f"{name}, rated power", "fuel over PTO energy", per_kwh, "L/kWh",
                    low=0.9 * low, high=1.1 * high, reference=0.5 * (low + high),
                    basis=replace(DEERE, why="10 % beside the four tests",
                                  note="ASABE D497.7 alone: nothing of the tests is in it"))
@@ -80,7 +80,9 @@ def large() -> list[Check]:
                       curve.engine_rpm * math.pi / 30.0)  # fmt: skip
     for i, (pull, (kmh, kwh)) in enumerate(HELD.items()):
         where = f"{LARGE}, {pull:g} kN on a hard road"
-        note = "the gear was set by this one speed" if i == 0 else "foretold from the lightest pull"
+        note = (
+            "the gear was set by this one speed" if i == 0 else "predicted from the lightest pull"
+        )
         out.append(
             near(where, "speed", 3.6 * float(curve.speed_mps[i]), "km/h", kmh, relative=0.03,
                  basis=replace(SUMMARY, note=note))
@@ -88,8 +90,8 @@ def large() -> list[Check]:
         ours = 1e-3 * float(curve.drawbar_power_w[i]) / float(litres[i])
         out.append(
             near(where, "drawbar energy over fuel", ours, "kWh/L", kwh, relative=0.10,
-                 basis=replace(SUMMARY, note="the take-off's fuel at rated power is the file's; "
-                               "part load is D497.7's, the drawbar the twin's"))
+                 basis=replace(SUMMARY, note="fuel at rated PTO power is the machine file's, "
+                               "part load D497.7's, the drawbar pull the twin's"))
         )  # fmt: skip
     found = gears(ROAD, speeds_kmh=(10.0, 11.0, 12.0), machine=LARGE, all_wheel_drive=True)
     out.append(
@@ -117,9 +119,9 @@ YEMEN = Basis(
     grade="measured",
     source="ploughing trial with a Massey Ferguson 275 in Yemen, 2015, ijpsat.es article 2246",
     why="3 points at the middle cell, whose slip is the mean of the two marginals there",
-    note="mass, ballast, plough and soil of the trial are not told: the catalogue's machine with "
-    "three bodies of 0.35 m on the firm preset. With 290 kg of wheel weights, as it was tried "
-    "first, the middle cell has .166; none are told, and none hang now",
+    note="mass, ballast, plough and soil of the trial are not stated: the catalogue's machine with "
+    "three bodies of 0.35 m on the firm preset. First tried with 290 kg of wheel weights: the "
+    "middle cell had .166. The trial states none, so the machine has none now",
 )
 DEPTHS_CM, SPEEDS_KMH = (10, 20, 30), (4.24, 5.54, 6.75)
 TRIAL_SLIPS = {(10, 4.24): 0.0849, (20, 5.54): 0.20, (30, 6.75): 0.3037}
@@ -142,7 +144,7 @@ def yemen() -> list[Check]:
         out.append(
             within(cell, "slip", seen.slip, "1", reference=wanted,
                    low=0.17 if middle else None, high=0.23 if middle else None,
-                   basis=YEMEN if middle else replace(YEMEN, why="reported, not gated", note=LIMIT))
+                   basis=YEMEN if middle else replace(YEMEN, why="no tolerance", note=LIMIT))
         )  # fmt: skip
     by_depth = [cells[d, 4.24] for d in DEPTHS_CM]
     by_speed = [cells[20, v] for v in SPEEDS_KMH]
@@ -160,7 +162,7 @@ def yemen() -> list[Check]:
     reached = sum(seen is not None for seen in cells.values())
     out.append(
         within(where, "cells of the trial that can be driven", float(reached), "1",
-               basis=replace(YEMEN, why="reported, not gated", note=LIMIT), reference=9.0)
+               basis=replace(YEMEN, why="no tolerance", note=LIMIT), reference=9.0)
     )  # fmt: skip
     return out
 
@@ -199,7 +201,7 @@ KOREA = Basis(
     grade="measured",
     source="Sensors 22(7):2750, TYM TX58 ploughing 20 cm: the rear axle's torque three times the "
     "front's",
-    why="reported, not gated: tyres, ballast, lead and plough of the trial are not told",
+    why="no tolerance: tyres, ballast, lead and plough of the trial are not stated",
 )
 LEADS = (0.0, 0.02, 0.10)
 
@@ -216,8 +218,8 @@ def korea() -> list[Check]:
         )  # fmt: skip
         out.append(
             within(where, "pull of the front axle over weight, at no load", rolling, "1",
-                   basis=replace(KOREA, note="what a lead winds up: the front axle pulls against "
-                                 "the rear, which it drives back"))
+                   basis=replace(KOREA, note="the pull that a lead causes: the front axle pulls "
+                                 "against the rear axle, which brakes"))
         )  # fmt: skip
     wound = shares[LEADS[-1]][1] - shares[0.0][1]
     out.append(
@@ -243,7 +245,7 @@ BALLAST = Basis(
     grade="measured",
     source="Case IH Magnum 370 CVX with 2320 kg of ballast more: 15.8 kN more of pull, Polcar, "
     "Rencin, Votava 2017",
-    why="reported, not gated: another tractor on another ground",
+    why="its sign: another tractor on another ground",
     note="pull at 15 % slip on the firm preset; the marginal coefficient is the net traction ratio "
     "there, and a little less as the mobility number falls with the load",
 )

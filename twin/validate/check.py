@@ -43,7 +43,7 @@ class Check:
 
     @property
     def name(self) -> tuple[str, str]:
-        """What tells it from the others: case and quantity."""
+        """What identifies the row: case and quantity."""
         return self.row["case"], self.row["quantity"]
 
     @property

@@ -33,7 +33,7 @@ def downhill() -> list[Check]:
     for grade_deg in GRADES_DEG:
         field = Field(grade_deg=grade_deg)
         drives = {
-            f"Taishan, gear {g:g}": _drive(
+            f"Taishan, gear ratio {g:g}": _drive(
                 TAISHAN, field, Drive(gear_ratio=g, engine_set_rpm=2400.0)
             )
             for g in GEARS
@@ -53,10 +53,10 @@ def downhill() -> list[Check]:
             )
             for name, seen in drives.items()
         ]
-        steepest = drives[f"Taishan, gear {GEARS[-1]:g}"]
+        steepest = drives[f"Taishan, gear ratio {GEARS[-1]:g}"]
         out.append(
             near(
-                f"{grade_deg:g} deg, Taishan, gear {GEARS[-1]:g}",
+                f"{grade_deg:g} deg, Taishan, gear ratio {GEARS[-1]:g}",
                 "losses and stores over the work of the weight",
                 steepest["closure"],
                 "1",
@@ -70,7 +70,7 @@ def downhill() -> list[Check]:
             )
         )
     braked = within(
-        f"{grade_deg:g} deg, Taishan, gear {GEARS[-1]:g}",
+        f"{grade_deg:g} deg, Taishan, gear ratio {GEARS[-1]:g}",
         "work of the brakes over the weight's",
         steepest["brake"],
         "1",

@@ -1,4 +1,4 @@
-"""Layers 4 and 6: the whole machine against field tables, and what it foretells."""
+"""Layers 4 and 6: the whole machine against field tables, and speeds left out of the fit."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ PLOUGHING = {
         note="the variation was set by such figures: agreement is a fit",
     ),
     "draft correlation length": Words(
-        source="recalled from the literature: 2 to 5 m", why="the range", grade="assumed",
+        source="the literature, from memory: 2 to 5 m", why="the range", grade="assumed",
     ),
     "fuel": Words(
         source="an MF 275, 10 to 30 cm deep at 4.2 to 6.8 km/h: 15.5 to 26.9 L/ha; a tractor in "
@@ -71,18 +71,19 @@ PLOUGHING = {
         source="atan(depth / track) and the tyres' deflections", why="settling in the furrow",
         grade="derived", layer="analytic",
     ),
-    "largest power closure": Words(
+    "largest power imbalance over engine work": Words(
         source="engine work = all losses + stored energy", grade="derived", layer="analytic",
         why="every loss is computed from its own force and speed, none is the remainder",
     ),
     "implement force over D497": Words(
-        source="ASABE D497: F (A + C S**2) W T", grade="published",
-        why="one equation by two ways; A and C are recalled, only F was seen in print",
+        source="ASABE D497: F (A + C S**2) W T", grade="assumed",
+        why="one equation by two ways; A and C are from memory, only F was seen in print",
     ),
-    "speed foretold from the other depths": Words(
+    "speed predicted from the other depths": Words(
         source="Fu et al., INMATEH 77-13", grade="measured", layer="prediction",
         why="scatter of the published speeds about any smooth law, 1.6 %, at two and a half sd",
-        note="the throttle is set by three depths, the fourth is simulated",
+        note="the throttle is set by the other three depths; cone index, draft scale and gear were "
+        "chosen with all four speeds in view",
     ),
 }  # fmt: skip
 """Rows of the ploughing study that are shown here; the others are its own."""
@@ -150,9 +151,9 @@ def drawbar_power() -> list[Check]:
             reference=0.75,
             basis=Basis(
                 grade="assumed",
-                source="John Deere 4250: .84 to .89 of the take-off's power, less about a tenth "
-                "to the take-off",
-                why="the share that the take-off's own drive loses is assumed",
+                source="John Deere 4250: .84 to .89 of the PTO power, which is about a tenth "
+                "below the crank's",
+                why="the share that the drive of the PTO loses is assumed",
             ),
         ),
         full_load(found, where),
@@ -220,7 +221,7 @@ def structure(jobs: int, quick: bool) -> list[Check]:
     return [
         within(
             f"slip at 1 Hz, ploughing 20 cm, lag {lag} s",
-            f"sqrt(D / 2), {name}",
+            f"sqrt(D / 2), {name}, D = mean (s(t + lag) - s(t))**2",
             _spread(series, lag),
             "1",
             low=0.5 * wanted,

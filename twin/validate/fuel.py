@@ -35,31 +35,30 @@ def half_load() -> list[Check]:
                 source="John Deere 8245R, Nebraska summary 963: 3.28 over 2.61 kWh/L at half the "
                 "pull",
                 why="one tractor, where the law is a mean of many",
-                note="the reduction is assumed, the report does not print it; a point of it is "
-                "worth .010",
+                note="the speed reduction is assumed, the report does not print it; one per cent "
+                "of speed more changes the ratio by .010",
             ),
         )
     ]
 
 
 def full_load(found: Gears, where: str) -> Check:
-    """Fuel per energy at the take-off, where the held loads took most of the engine."""
+    """Fuel per PTO energy, where the held loads took most of the engine."""
     most = int(np.argmax(found.crank_power_w))
     pto_kw = 1e-3 * _numbers()["engine.pto_efficiency"] * found.crank_power_w[most]
     return within(
         where,
-        "fuel over power at the take-off, at full load",
+        "fuel over PTO power, at full load",
         float(found.fuel_lph[most] / pto_kw),
         "L/kWh",
         low=0.27,
         high=0.33,
         reference=0.278,
         basis=Basis(
-            source="John Deere 8245R, Nebraska summary 963: 44.81 L/h at 161 kW of the take-off",
+            source="John Deere 8245R, Nebraska summary 963: 44.81 L/h at 161 kW of PTO power",
             grade="measured",
             why="an engine of 2014; the law, .316 at rated speed, is of 2004",
-            note="the take-off's share of the crank's power, 0.90, is assumed, and cancels but "
-            "for the speed",
+            note="PTO power over crank power, 0.90, is assumed; it cancels but for the speed",
         ),
     )
 

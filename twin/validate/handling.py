@@ -168,7 +168,7 @@ def _at_speed(kmh: int) -> list[Check]:
         ),
         within(
             case,
-            "rms difference of the yaw rate's rise",
+            "rms difference of the yaw rate's rise over the steady rate",
             off,
             "1",
             high=0.05,

@@ -21,7 +21,7 @@ OUTPUT_HZ = 50.0
 
 
 def standing(duration_s: float, step_ns: int, speed_mps: float = 0.0) -> Trajectory:
-    """A machine that stands level with its engine off; an antenna that tells another speed."""
+    """A machine that stands level with its engine off; an antenna that reports another speed."""
     n = round(duration_s * 1e9 / step_ns) + 1
     zero = np.zeros((n, 3))
     level = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
@@ -156,7 +156,7 @@ STOOD = "u-blox M8U on a New Holland T7.165S that stands, 92 min of a drive"
 
 
 def stopped() -> list[Check]:
-    """What a receiver tells where nothing moves, beside a real one."""
+    """Errors of a receiver at rest, beside a real one."""
     without = Gnss(rate_hz=1.0, outages=(Outage(start_s=0.0, duration_s=1e6),))
     table = _sampled(gnss, without, 60_000.0, 1_000_000_000)
     speed = np.hypot(table["v_east_mps"], table["v_north_mps"])

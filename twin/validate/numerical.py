@@ -102,7 +102,7 @@ def halved_step() -> list[Check]:
             out.append(
                 within(
                     f"plough 20 cm, step {ms:g} ms for 2 ms",
-                    f"change of mean {quantity}",
+                    f"relative change of mean {quantity}",
                     change,
                     "1",
                     low=-0.01,
@@ -111,8 +111,8 @@ def halved_step() -> list[Check]:
                     basis=Basis(
                         grade="derived",
                         source="the twin's own step of 2 ms",
-                        why="1 to 2 % of slip is usual; the soil is a function of place, so both "
-                        "drive over the same ground",
+                        why="1 to 2 % of the slip is usual; the soil is a function of place, so "
+                        "both drive over the same ground",
                     ),
                 )
             )
@@ -129,7 +129,7 @@ def settling() -> list[Check]:
     return [
         within(
             "start of a run, 4 s more",
-            "greatest change of a wheel's load",
+            "greatest relative change of a wheel's load",
             change,
             "1",
             high=1e-3,

@@ -15,11 +15,15 @@ HEAD = (
 INTRODUCTION = """\
 # Validation
 
-Written by `twin validate`, which reruns every row on this page. Every row is a figure of the twin
-beside its reference, with the tolerance it must keep and why it is that. The command's exit status
-is 1 while a row fails; a row that fails stays here, with what is known of the reason. The figures
-in the tables are rerun; those in the notes under them were tried once, by hand. Where a tolerance
-was changed after a first result, the note says so.
+Written by `twin validate --out VALIDATION.md`, which reruns every row on this page. Every row is a
+figure of the twin beside its reference, with the tolerance and the reason for it. The exit status
+of the command is 1 while a row fails; a row that fails stays here, with what is known of the
+reason. The figures in the tables are rerun; those in the notes under them were tried once, by hand.
+Where a tolerance was changed after a first result, the note says so. A figure without a unit is a
+ratio.
+
+The machine is the Taishan 1404A, with a plough where it ploughs, unless a row names another one.
+PTO is the power take-off. "From memory" means that nobody compared the number with the print.
 
 The grade is that of the *reference*:
 """
@@ -30,14 +34,14 @@ NOT_VALIDATED = """\
 * **Slip in the field.** No paper or log at hand gives a tractor's slip together with its draft,
   depth and soil. The published ploughing runs give four speeds; slip under them is determined only
   to about a third of itself. The twin's slip is one consistent set, not a measured one.
-* **Draft.** D497's coefficients A and C are recalled, not seen in print; their own range is 40 %.
-  The soil's draft scale was chosen so that the four speeds come out.
+* **Draft.** D497's coefficients A and C are from memory, not seen in print; their own range is
+  40 %. The soil's draft scale was chosen so that the four speeds come out.
 * **Tyre and soil together.** No single-wheel measurement of these tyres on a known soil was
-  obtainable. Brixius' law scatters, as recalled, 0.05 to 0.08 in net traction about field data;
+  obtainable. Field data scatter about Brixius' law by 0.05 to 0.08 in net traction, from memory;
   the twin follows the law, not the field. The fields' numbers for Bekker-Wong's law are fitted to
   Brixius.
 * **Lateral forces.** Lateral stiffness, relaxation lengths and the side force of Bekker's law rest
-  on figures recalled from the literature. On soft soil the two laws differ by more than 30 % in
+  on figures of the literature, from memory. On soft soil the two laws differ by more than 30 % in
   side force.
 * **Side force under drive slip.** The one open measurement is a rigid wheel of 58 mm radius in dry
   sand, sunk by a quarter to a half of its radius; at a slip angle of 15 degrees it keeps .77, .60
@@ -62,13 +66,13 @@ NOT_VALIDATED = """\
   identified from a machine. The gains of draft control, the front ballast it needs and the top
   link's holes are assumed; how far a draft varies under it was compared with no measurement.
 * **Engine and brakes.** Governor droop and full-load torque are fitted or assumed; inertia was not
-  compared with a test. The drag of the motored engine is a published law, recalled,
+  compared with a test. The drag of the motored engine is a published law, from memory,
   for a displacement and stroke that are assumed; brakes, and how the driver presses them, are
   assumed. He has one gear for a run and does not shift down.
-* **Fuel.** The law is a mean of many tractors, in power and speed of the engine; the rows hold it
-  against two runs of one other tractor and the range of ploughing elsewhere. What the take-off's
-  drive leaves of the crank's power is assumed. Engine speeds below half of the rated one are
-  outside the law, and an idling engine takes less than it says.
+* **Fuel.** The law is a mean of many tractors, in power and speed of the engine; the rows
+  compare it with tests of three other tractors and with ploughing elsewhere. PTO power over crank
+  power is assumed. Engine speeds below half of the rated one are outside the law, and an idling
+  engine takes less than it says.
 * **Repeated passes.** Ruts and compaction under earlier wheels are not simulated. Brixius' law
   knows no sinkage, and slip sinkage only as the part of its motion resistance that grows with slip.
 * **Weather, moisture, residue** have no model: a soil is a set of constants with random variation.
@@ -76,12 +80,12 @@ NOT_VALIDATED = """\
   correlation of their errors with the machine's vibration, multipath under trees and the true
   receivers' filters in motion were not compared with logs.
 * **The catalogue's machines** rest on data sheets as far as they were at hand. Their tyres, tracks,
-  ballast and the lead of the front axle are mostly assumed, and what a transmission hands on, .87,
+  ballast and the lead of the front axle are mostly assumed; the transmission's efficiency, .87,
   was chosen with the Nebraska tests in view. Of the implements only ASABE D497's numbers are
   published; a chisel plough, a subsoiler and a cultivator were compared with no measurement.
-* **Taishan 1404A** itself: its tyres, gears, centre of gravity and ballast were not found; a
-  tractor of its class stands in. No row on this page is a measurement of that machine but its mass,
-  its power and four speeds.
+* **Taishan 1404A** itself: its tyres, gears, centre of gravity and ballast were not found; those
+  of a tractor of its class replace them. No row on this page is a measurement of that machine but
+  its mass, its power and four speeds.
 """
 
 
@@ -104,11 +108,12 @@ def text(checks: Mapping[str, Sequence[Check]], *, quick: bool = False) -> str:
 
 def _summary(checks: Mapping[str, Sequence[Check]]) -> str:
     found = [c for of_layer in checks.values() for c in of_layer]
-    failed, told = sum(not c.passed for c in found), sum(not c.gated for c in found)
+    failed, reported = sum(not c.passed for c in found), sum(not c.gated for c in found)
     grades = ", ".join(f"{sum(c.basis.grade == g for c in found)} {g}" for g in GRADES)
+    passed = len(found) - failed - reported
     return (
-        f"{len(found)} rows: {len(found) - failed - told} pass, {failed} fail, {told} are reported "
-        f"without a tolerance. By grade: {grades}."
+        f"{len(found)} rows: {passed} pass, {failed} fail, {reported} are reported without a "
+        f"tolerance. By grade: {grades}."
     )
 
 

@@ -74,8 +74,8 @@ MODEL = (
     "grousers differ by"
 )
 MOST_PULL = (
-    "reported, not claimed: the band was set when the figures were known. Soil-contact models pull "
-    ".1 to .3 of the load more than the arc as well"
+    "the band was set when the figures were known. Other contact models, too, give .1 to .3 of the "
+    "load more pull than the arc integral"
 )
 DEEPER = "S is Lyasko's 1 and was not fitted; smooth and grousers differ by a tenth to a quarter"
 SET = "k_phi is set by it"

@@ -27,12 +27,12 @@ from twin.validate.check import Check
 
 LAYERS = {
     "analytic": "Analytic: the whole tractor against mechanics",
-    "table": "Law against print: one wheel on the rig",
+    "table": "Laws against print, and against one test of a wheel and one of an engine",
     "laws": "Law against law",
-    "field": "Whole machine against field measurements",
-    "numerical": "Numerical: step, order, rest, seeds",
-    "prediction": "Prediction: what was not fitted",
-    "sensors": "Sensors against their data sheets",
+    "field": "Whole machine against measurements in fields and on hard roads",
+    "numerical": "Numerical: step, order, rest, seeds, a wheel's power balance, uneven ground",
+    "prediction": "Prediction: one part left out of the fit",
+    "sensors": "Sensors against data sheets and one real receiver",
 }
 """Layer -> its title, in the order of the page."""
 TASKS: tuple[tuple[str, Callable[[], list[Check]]], ...] = (
@@ -58,7 +58,7 @@ TASKS: tuple[tuple[str, Callable[[], list[Check]]], ...] = (
     ("field", catalogue.korea),
     ("field", catalogue.ballast),
     ("field", slides.slides_set),
-    ("prediction", slides.slide_foretold),
+    ("prediction", slides.slide_left_out),
     ("numerical", numerical.halved_step),
     ("numerical", numerical.order_of_accuracy),
     ("numerical", numerical.settling),

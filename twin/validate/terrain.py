@@ -48,8 +48,8 @@ def spectrum() -> list[Check]:
                 wanted,
                 relative=0.1,
                 basis=Basis(
-                    grade="published",
-                    source="ISO 8608: G_d(n) = G_d(n0) (n / n0)**-2, mean of the class as recalled",
+                    grade="assumed",
+                    source="ISO 8608: G_d(n) = G_d(n0) (n / n0)**-2, mean of the class from memory",
                     why="a class spans a factor of 4; a tenth is the scatter of four fields",
                 ),
             )
@@ -78,7 +78,7 @@ def tilted_map() -> list[Check]:
             basis=Basis(
                 grade="derived",
                 source="the same on a tilted plane",
-                why="tyres touch at one point: on a map below the hub's tread, on a plane as well",
+                why="each tyre touches the map, and the plane, at one point",
             ),
         )
         for name, ours, wanted in zip(names, map_n, plane_n, strict=True)

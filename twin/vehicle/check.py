@@ -204,7 +204,7 @@ def _engine(machine: Machine, n: Derived) -> Iterator[Finding]:
     if engine.pto_power_kw is not None and engine.pto_power_kw > rated_kw:
         yield Finding(
             "engine.pto_power_kw", f"= {engine.pto_power_kw:g} is above rated_power_kw = "
-            f"{rated_kw:g}; what the take-off gives of it would do",
+            f"{rated_kw:g}; a smaller PTO power would do",
         )  # fmt: skip
     points = engine.torque_points
     if points and points[-1][0] < REACHED * rated_rpm:

@@ -76,7 +76,7 @@ def _size(sheet: Sheet, name: str, axle: Axle) -> None:
     low = "" if size is None else size.low_pressure
     sheet.take(
         f"{name}.deflection_ratio", {"": 0.20, "IF": 0.24, "VF": 0.28}[low], "assumed",
-        "ASABE D497 as recalled: 0.20; IF and VF tyres a fifth and two fifths more",
+        "ASABE D497 from memory: 0.20; IF and VF tyres a fifth and two fifths more",
     )  # fmt: skip
     other = "rear" if name == "front" else "front"
     rule = sheet.given(f"{other}.track_m")
@@ -132,7 +132,7 @@ def _tyre(sheet: Sheet, name: str, axle: Axle) -> None:
         rule = 0.5 * load_n / (0.0125 * diameter_m)
     stiffness = sheet.take(
         f"{name}.stiffness_npm", rule, "derived" if diameter_m >= 0.6 else "assumed",
-        "Lines and Murphy 1991 as recalled: 172 - 1.77 R + 5.6 A + 0.34 w R p kN/m, 3 years old; "
+        "Lines and Murphy 1991 from memory: 172 - 1.77 R + 5.6 A + 0.34 w R p kN/m, 3 years old; "
         "of small wheels half the load over 1.25 % of the diameter",
     )  # fmt: skip
     sheet.take(
@@ -197,16 +197,18 @@ def _engine(sheet: Sheet, machine: Machine) -> None:
         engine.rated_power_kw, engine.rated_torque_nm, engine.pto_power_kw
     )  # fmt: skip
     if power_kw is not None and pto_kw is not None:
-        eta = take("engine.pto_efficiency", pto_kw / power_kw, "derived", "take-off over crank")
+        eta = take(
+            "engine.pto_efficiency", pto_kw / power_kw, "derived", "PTO power over crank power"
+        )
     else:
         eta = take(
             "engine.pto_efficiency", 1.0 if electric else 0.90, "assumed",
-            "0.90 as in ASABE D497, recalled; .86 to .92 of single tractors",
+            "0.90 as in ASABE D497, from memory; .86 to .92 of single tractors",
         )  # fmt: skip
     if power_kw is None and engine.pto_power_kw is not None:
         power_kw = sheet.write(
             "engine.rated_power_kw", engine.pto_power_kw / eta, "derived",
-            "power at the take-off over pto_efficiency",
+            "PTO power over pto_efficiency",
         )  # fmt: skip
     elif power_kw is None and engine.torque_points:
         at = _interpolated(rated_rpm, engine.torque_points)
@@ -281,7 +283,7 @@ def _interpolated(rpm: float, points: tuple[tuple[float, float], ...]) -> float:
 
 def _gears(sheet: Sheet, machine: Machine) -> None:
     n = {path: number.value for path, number in sheet.numbers.items()}
-    efficiency = "drawbar over take-off power on concrete is .84 to .89"
+    efficiency = "drawbar over PTO power on concrete is .84 to .89"
     sheet.take("transmission.efficiency", 0.87, "assumed", efficiency)
     rim_m = n["rear.free_rolling_radius_m"]
     wanted = n["engine.usual_rpm"] * RPM * rim_m / (USUAL_KMH / 3.6)

@@ -21,7 +21,11 @@ USUAL = "taishan_1404a"
 
 @cache
 def models_folder() -> Path:
-    """Where the models are: inside the installed package, or beside it in a checkout."""
+    """Where the models are: inside the installed package, or beside it in a checkout.
+
+    Raises:
+        BadInput: they are in neither place.
+    """
     package = Path(__file__).parents[1]
     for folder in (package / "_models", package.parent / "models"):
         if folder.is_dir():

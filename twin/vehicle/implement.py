@@ -78,7 +78,7 @@ class Implement:
     width_m: Annotated[float | None, Range(0.1, 12)] = None
     """Working width."""
     bodies: int | None = None
-    """How many bodies or tools."""
+    """Number of bodies or tools."""
     rows: int | None = None
     """Bars on which the tools stand, one behind the other."""
     mass_kg: Annotated[float | None, Range(5, 10000)] = None

@@ -57,12 +57,12 @@ KINDS = {
     ),
     "chisel": Kind(
         about="chisel plough", a=91.0, b=5.4, c=0.0, per="tool", medium=0.85, coarse=0.65,
-        factors=D497 + "; F as recalled", vertical_ratio=0.15, side_ratio=0.0, furrow=False,
+        factors=D497 + "; F from memory", vertical_ratio=0.15, side_ratio=0.0, furrow=False,
         depth_m=(0.08, 0.35), rows=3, spacing_m=0.60, narrowest_m=0.15, widest_m=0.6, most=16,
     ),
     "sweep": Kind(
         about="sweep plough", a=390.0, b=19.0, c=0.0, per="m", medium=0.85, coarse=0.65,
-        factors=D497 + "; F as recalled", vertical_ratio=0.15, side_ratio=0.0, furrow=False,
+        factors=D497 + "; F from memory", vertical_ratio=0.15, side_ratio=0.0, furrow=False,
         depth_m=(0.05, 0.20), rows=2, spacing_m=0.60, narrowest_m=0.3, widest_m=2.5, most=16,
     ),
     "cultivator": Kind(

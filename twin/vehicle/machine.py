@@ -46,7 +46,7 @@ class Axle:
     free_rolling_radius_m: Annotated[float | None, Range(0.05, 1.5)] = None
     """Rolling radius without load."""
     rolling_radius_m: Annotated[float | None, Range(0.05, 1.5)] = None
-    """Rolling radius at the load of work: what an estimator is told."""
+    """Rolling radius at the load of work: the nominal radius of the set-up."""
     deflection_ratio: Annotated[float | None, Range(0.02, 0.4)] = None
     """Deflection over section height in Brixius' mobility number [-]."""
     stiffness_npm: Annotated[float | None, Range(5e3, 2e6)] = None
@@ -82,7 +82,7 @@ class Engine:
     rated_power_kw: Annotated[float | None, Range(0.05, 1000)] = None
     """At the crank, at rated speed."""
     pto_power_kw: Annotated[float | None, Range(0.05, 1000)] = None
-    """At the power take-off, at rated engine speed; in place of rated_power_kw."""
+    """Power at the power take-off (PTO), at rated engine speed; in place of rated_power_kw."""
     max_power_kw: Annotated[float | None, Range(0.05, 1200)] = None
     """At the crank, at any speed."""
     rated_rpm: Annotated[float | None, Range(300, 8000)] = None
@@ -106,9 +106,9 @@ class Engine:
     stroke_m: Annotated[float | None, Range(0.03, 0.3)] = None
     exhaust_brake_kpa: Annotated[float | None, Range(0, 600)] = None
     pto_efficiency: Annotated[float | None, Range(0.5, 1)] = None
-    """Power at the take-off over that at the crank."""
+    """PTO power over crank power [-]."""
     fuel_l_per_kwh: Annotated[float | None, Range(0.15, 1)] = None
-    """Fuel over energy at the take-off, at rated power."""
+    """Fuel over PTO energy at rated PTO power [L/kWh]."""
     regeneration_kw: Annotated[float | None, Range(0, 500)] = None
     """Most that an electric motor takes back."""
     wheel_torque_nm: Annotated[float | None, Range(0.1, 1e5)] = None
@@ -151,7 +151,7 @@ class Transmission:
 
 @dataclass(frozen=True, kw_only=True)
 class Drive:
-    """Which axles are driven, and what they hand on."""
+    """Driven axles, differential and clutch, and the torques that they hold."""
 
     driven: str = "rear"
     """rear, or all where the front axle can be engaged."""
@@ -162,11 +162,11 @@ class Drive:
     differential_lock: bool = True
     """Whether the rear differential can be locked."""
     clutch_nm: Annotated[float | None, Range(0.5, 20000)] = None
-    """Torque the clutch holds, at the engine."""
+    """Torque the clutch holds, at the engine [N m]."""
     lock_nm: Annotated[float | None, Range(1, 1e6)] = None
-    """Torque the lock holds, at the axle."""
+    """Torque the lock holds, at the axle [N m]."""
     front_nm: Annotated[float | None, Range(1, 1e6)] = None
-    """Torque the drive of the front axle holds, at that axle."""
+    """Torque the drive of the front axle holds, at that axle [N m]."""
 
     def __post_init__(self) -> None:
         if self.driven not in DRIVEN:
@@ -178,11 +178,11 @@ class Chassis:
     """Brakes, steering and the front axle's pivot."""
 
     brake_nm: Annotated[float | None, Range(1, 1e6)] = None
-    """Torque of the brake of one rear wheel."""
+    """Torque of the brake of one rear wheel [N m]."""
     steer_limit_rad: Annotated[float | None, Range(0.1, 1.2)] = None
-    """Largest angle of a front wheel."""
+    """Largest steering angle of a front wheel [rad]."""
     swing_limit_rad: Annotated[float | None, Range(0.02, 0.5)] = None
-    """How far the front axle swings."""
+    """Largest swing of the front axle to each side [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,12 +197,12 @@ class Linkage:
     top_pivot_m: Point | None = None
     """x and z of the top link's upper hole on the tractor."""
     lift_n: Annotated[float | None, Range(200, 3e5)] = None
-    """Force at the ends of the lower links."""
+    """Lifting force at the ends of the lower links [N]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Places:
-    """Where the sensors sit, from the rear axle."""
+    """Positions of the sensors in body axes, from the rear-axle centre [m]."""
 
     gnss_main_m: Place | None = None
     gnss_aux_m: Place | None = None
@@ -235,7 +235,7 @@ class Machine:
     grade: str = "given"
     """Grade of all numbers that have none of their own."""
     source: str = ""
-    """Their source."""
+    """Source of all numbers that have none of their own."""
     mjcf: str | None = None
     """A hand-made MJCF with the documented numerics, beside the file, in place of a made one."""
     numerics: tuple[Numeric, ...] = ()
@@ -247,12 +247,12 @@ class Machine:
     rear_axle_kg: Annotated[float | None, Range(5, 40000)] = None
     wheelbase_m: Annotated[float | None, Range(0.3, 6)] = None
     cg_height_m: Annotated[float | None, Range(0.05, 3)] = None
-    """Centre of gravity above the ground."""
+    """Height of the centre of gravity above the ground [m]."""
     length_m: Annotated[float | None, Range(0.5, 12)] = None
     width_m: Annotated[float | None, Range(0.2, 6)] = None
     height_m: Annotated[float | None, Range(0.2, 6)] = None
     rear_axle_height_m: Annotated[float | None, Range(0.05, 1.5)] = None
-    """Above the ground, on loaded tyres: a measure of the tape that is checked against the tyre."""
+    """Height above the ground on loaded tyres [m], by tape; it is checked against the tyre."""
     front: Axle = dataclasses.field(default_factory=Axle)
     rear: Axle = dataclasses.field(default_factory=Axle)
     ballast: tuple[Ballast, ...] = ()
@@ -266,7 +266,7 @@ class Machine:
     """Grade and source of the numbers that have their own; kept of the file's `{value, grade,
     source}`."""
     folder: str = ""
-    """Where the file stood; empty for one of the twin's own."""
+    """Folder of the file; empty for one of the twin's own."""
 
     def __post_init__(self) -> None:
         if self.schema != SCHEMA:

@@ -135,7 +135,11 @@ def transmission_kind(machine: Machine) -> str:
 
 
 def own_numerics(machine: Machine) -> dict[str, float]:
-    """What a file replaces of its hand-made MJCF's numerics, by name."""
+    """Numbers with which a file replaces numerics of its hand-made MJCF, by name.
+
+    Raises:
+        UnknownName: the MJCF has no such numeric.
+    """
     for numeric in machine.numerics:
         if numeric.name not in NEEDED:
             raise UnknownName("numeric", numeric.name, NEEDED)

@@ -43,7 +43,7 @@ def tyre_size(code: str, path: str = "tyre") -> TyreSize:
 
         diameter = rim + 2 aspect width
 
-    The aspect of a metric code stands in it; that of one in inches is 0.85, or 1.05 where its width
+    The aspect of a metric code is in it; that of one in inches is 0.85, or 1.05 where its width
     has two decimals.
 
     Raises:

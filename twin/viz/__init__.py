@@ -1,7 +1,8 @@
-"""The picture: everything about rerun is here, entity paths, logging and blueprint.
+"""Recordings for the rerun viewer: entity paths, logging, and the layout of the screen.
 
-Entities mirror the frames: `world/truth/tractor/<body>` moves, what does not move is static, truth
-and estimates are siblings. Two timelines, `sim_time` and `step`; bulk by `send_columns`.
+Each body of the tractor is an entity with its pose, `world/truth/tractor/<body>`; what does not
+move is static. `world/truth` and `world/estimates` have the same parent. The timelines are
+`sim_time` [s] and `step`, the number of the physics step. Time series are sent by `send_columns`.
 """
 
 from twin.viz.ground import Ground

@@ -1,4 +1,4 @@
-"""The bodies of a model's plough and the furrow they work to, as they are drawn."""
+"""The drawn bodies of a model's plough, and the furrow beside which they work."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ def log_events(recording: rr.RecordingStream, found: Iterable[Event]) -> None:
 def events(
     truth: Table, streams: Streams, scenario: Thing, end: End | None = None
 ) -> Iterator[Event]:
-    """What happened in a run: truth's events, then those that a sensor tells of itself."""
+    """What happened in a run: the truth's events, then those that a sensor reports."""
     epoch_ns = truth.get("epoch_ns", np.empty(0, np.int64))
     start_ns = int(epoch_ns[0]) if len(epoch_ns) else 0
     depth_m = truth.get("depth_m", np.zeros(len(epoch_ns)))
@@ -84,7 +84,7 @@ def drive_events(streams: Streams, notes: Sequence[str] = ()) -> Iterator[Event]
 
 
 def _stops(epoch_ns: Array, speed_mps: Array) -> Iterator[Event]:
-    """Where it stands for a while, told where it begins, and where it goes on."""
+    """Stops: where each begins, and where the machine goes on."""
     edges = [row for row, _ in _changes(np.append(speed_mps < STANDING_MPS, False))]
     for first, after in zip(edges[::2], edges[1::2], strict=True):
         last = min(after, len(epoch_ns) - 1)

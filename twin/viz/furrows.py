@@ -6,7 +6,8 @@ Across a pass, u counts from its line to the side the soil is turned to:
     the furrow stays open   from e_i      to e_i + f        f the width of an open furrow
     its slice lies          from e_i + f  to e_i + f + w    in the furrow of the body before it
 
-Slices that lie turned lean on each other at asin(d / w), which makes a saw of their upper edges.
+The width w of a turned slice of depth d is inclined to the furrow's bottom by
+a = asin(min(d / w, 0.85)). The upper edges of the slices form a sawtooth.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from twin.viz.bodies import Bodies
 from twin.viz.tools import Array
 
 PLOUGHED_M = 6.0
-"""How far the land beside the last furrow was ploughed before, as drawn."""
+"""How far the land beside the first furrow was ploughed before the run, as drawn."""
 BANK_M = 0.05
 """Width over which a wall falls, as drawn."""
 CRUMBLED = 0.7
@@ -36,6 +37,8 @@ class Cut:
     wall_m: float
     low_m: float
     high_m: float
+    ploughed_m: float = PLOUGHED_M
+    """How far from the wall the land was ploughed that is drawn with it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,14 +52,15 @@ class Pass:
 
 
 def leaning_rad(depth_m: float, width_m: float) -> float:
-    """How slices lie on each other: asin(d / w)."""
+    """Inclination of a turned slice's width to the furrow's bottom: asin(min(d / w, 0.85))."""
     return float(np.arcsin(min(depth_m / width_m, STEEPEST)))
 
 
 def ridges_m(u_m: Array, depth_m: float, width_m: float) -> Array:
     """Height of turned slices above the field, whose valleys are where u is a multiple of w.
 
-    A saw: up with tan(a) on the face that was the sole, down with cot(a); a of `leaning_rad`.
+    A sawtooth of slopes tan(a) and -cot(a), with a of `leaning_rad`, and 0.7 times as high because
+    the edges crumble.
     """
     angle = leaning_rad(depth_m, width_m)
     along_m = np.mod(u_m, width_m)
@@ -77,7 +81,7 @@ def left_by(cut: Cut, bodies: Bodies, depth_m: float, s: Array, t: Array) -> tup
         return np.zeros_like(s), np.zeros(s.shape, bool)
     along = np.clip((s - cut.low_m) / 1.5, 0.0, 1.0) * np.clip((cut.high_m - s) / 1.5, 0.0, 1.0)
     open_ = (u > 1e-6) & (u < bodies.open_m + BANK_M - 1e-6)
-    turned = (u >= bodies.open_m + BANK_M - 1e-6) & (u < PLOUGHED_M)
+    turned = (u >= bodies.open_m + BANK_M - 1e-6) & (u < cut.ploughed_m)
     height = open_ * -depth_m + turned * ridges_m(u - bodies.open_m, depth_m, bodies.width_m)
     return along * height, (along > 0.0) & (open_ | turned)
 

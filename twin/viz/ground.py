@@ -1,7 +1,4 @@
-"""The ground as it is drawn: its heights and soils, the last furrow, and what has been ploughed.
-
-One module, because mesh, colours and slices are laid over one another.
-"""
+"""The ground as it is drawn: its heights, the furrow before each pass, and what a pass turns."""
 
 from __future__ import annotations
 
@@ -17,21 +14,10 @@ from twin.plugins.lookup import Thing
 from twin.scenario.plough import FURROW_SIDES
 from twin.streams import Table
 from twin.viz.bodies import Bodies
-from twin.viz.furrows import (
-    BANK_M,
-    PLOUGHED_M,
-    Cut,
-    Pass,
-    leaning_rad,
-    left_by,
-    worked_by,
-)
-from twin.viz.mesh import normals, triangles
-from twin.viz.paths import FURROW, GROUND, LAND
+from twin.viz.furrows import PLOUGHED_M, Cut, Pass, leaning_rad
+from twin.viz.paths import FURROW, LAND
 from twin.viz.tools import Array, every, position_w, times
 
-CELL_M, FAR_CELL_M, FINE_M, FAR_M = 0.3, 3.0, 7.0, 45.0
-"""Mesh near the path and beyond it, and how far each reaches."""
 SHALLOWEST_M, STRIPS_HZ = 0.05, 2.0
 SHADES = np.array([1.0, 0.88, 1.06, 0.94])
 """Brightness of slices that lie side by side."""
@@ -57,43 +43,6 @@ class Ground:
         return np.asarray(local @ self.world_from_ground.T)
 
 
-def log_ground(
-    recording: rr.RecordingStream, truth: Table, scenario: Thing, ground: Ground
-) -> None:
-    """A mesh of the ground about the path: fine beside it, coarse beyond; soils by colour.
-
-    With several passes it is drawn anew at the start of each, with what the one before has cut. The
-    furrows of a pass are open from its start; `log_ploughing` lays the land over them that is still
-    to be ploughed, and the slices into them that were turned.
-    """
-    moments = every(truth, 1.0)
-    place = position_w(moments) @ ground.world_from_ground
-    found = worked(moments, scenario, ground)
-    edge_m = getattr(getattr(scenario, "course", None), "edge_m", None)
-    s_m = _nodes(place[:, 0], edge_m is None, 1.0)
-    t_m = _nodes(place[:, 1], edge_m is None, 0.0)
-    if edge_m is not None:
-        t_m = np.linspace(-edge_m, edge_m, 21)
-    elif found and ground.bodies is not None:
-        t_m = _with_edges(t_m, found, ground.bodies, scenario)
-    s, t = np.meshgrid(s_m, t_m, indexing="ij")  # (n, m)
-    corners = triangles(len(s_m), len(t_m)).astype(np.uint32)
-    faces = rr.Mesh3D.from_fields(triangle_indices=corners)
-    recording.log(GROUND, faces, static=True)
-    for k in range(max(1, len(found))):
-        lifted_m, cut = _lifted_m(scenario, ground, found, k, s, t)
-        points = ground.surface_w(s, t, lifted_m)  # (n, m, 3)
-        recording.send_columns(
-            GROUND,
-            times({"epoch_ns": np.array([found[k][0].from_ns if k else truth["epoch_ns"][0]])}),
-            rr.Mesh3D.columns(
-                vertex_positions=points.reshape(-1, 3).astype(np.float32),
-                vertex_normals=normals(points).reshape(-1, 3).astype(np.float32),
-                vertex_colors=_colours(scenario, ground, s, t, cut).reshape(-1, 3),
-            ).partition([s.size]),
-        )
-
-
 def worked(moments: Table, scenario: Thing, ground: Ground) -> list[tuple[Cut, Pass]]:
     """The passes with a plough: the furrow that is there before each, and its way in the ground.
 
@@ -108,11 +57,15 @@ def worked(moments: Table, scenario: Thing, ground: Ground) -> list[tuple[Cut, P
     start_ns, low_m, high_m = int(moments["epoch_ns"][0]), np.inf, np.inf
     if FURROW_SIDES.get(getattr(plough, "furrow", "none"), 0) != 0:  # one before the first pass
         low_m = scenario.course.approach_m - 2.0
-    found, last = [], Pass(s_m=np.zeros(0), t_m=np.zeros(0))
+    found: list[tuple[Cut, Pass]] = []
+    last = Pass(s_m=np.zeros(0), t_m=np.zeros(0))
     for first, end in zip(edges[::2], edges[1::2], strict=True):
         s_m, t_m = local[first:end, 0], local[first:end, 1]
         wall_m = float(np.median(t_m)) + bodies.side * bodies.wall_m
-        cut = Cut(from_ns=start_ns, wall_m=wall_m, low_m=low_m, high_m=high_m)
+        cut = Cut(
+            from_ns=start_ns, wall_m=wall_m, low_m=low_m, high_m=high_m,
+            ploughed_m=bodies.open_m + bodies.count * bodies.width_m if found else PLOUGHED_M,
+        )  # fmt: skip
         found.append((cut, Pass(s_m=s_m, t_m=t_m)))
         start_ns = int(moments["epoch_ns"][end - 1])
         behind_m = bodies.ahead_m[-1] if s_m[-1] >= s_m[0] else -bodies.ahead_m[-1]
@@ -126,17 +79,17 @@ def worked(moments: Table, scenario: Thing, ground: Ground) -> list[tuple[Cut, P
 def log_ploughing(
     recording: rr.RecordingStream, truth: Table, scenario: Thing, ground: Ground
 ) -> None:
-    """Slices that lie turned behind each body, and before it the land that it will cut.
+    """Turned slices behind each plough body, and the unploughed ground that it will cut.
 
-    Each piece is logged once, when the body is there: a slice is seen from then on, land until
-    then (`twin.viz.blueprint`).
+    Each piece is logged once, at the time when the body is there. A slice is shown from that time
+    on, unploughed ground until that time (`twin.viz.blueprint`).
     """
     if ground.bodies is None:
         return
     moments = every(truth, STRIPS_HZ)
     for entity, pieces, colour in (
-        (FURROW, slices(moments, scenario, ground, ground.bodies), TURNED),
-        (LAND, land(moments, scenario, ground, ground.bodies), _soil(scenario)),
+        (FURROW, slices(moments, ground, ground.bodies), TURNED),
+        (LAND, land(moments, scenario, ground, ground.bodies), soil_colour(scenario)),
     ):
         rows, centre, half_m, xyzw = pieces
         if not len(rows):
@@ -160,11 +113,17 @@ Pieces = tuple[Array, Array, Array, Array]
 (n, m, 3) and quaternion xyzw (n, m, 4) of a box for each of m bodies."""
 
 
-def slices(moments: Table, scenario: Thing, ground: Ground, bodies: Bodies) -> Pieces:
-    """What the bodies turned over between moments: each slice leans on the one before.
+def slices(moments: Table, ground: Ground, bodies: Bodies) -> Pieces:
+    """The slices that the plough's bodies turned over. Each leans on the one beside it.
 
-    A slice of width w and depth d stands on the sole at asin(d / w), its upper edge away from the
-    land; so it reaches from the sole up to w sin(a) + d cos(a).
+    The width w of a slice of depth d is inclined to the furrow's bottom by
+    a = asin(min(d / w, 0.85)), its upper edge away from the unploughed ground. So the slice reaches
+    up to w sin(a) + d cos(a) above the bottom.
+
+    Args:
+        moments: rows of the truth, two per second (n).
+        ground: orientation and heights of the ground.
+        bodies: of the plough (m).
     """
     rows, s, t, yaw, way = _at_the_bodies(moments, ground, bodies, bodies.open_m)
     depth_m = np.maximum(moments.get("depth_m", np.zeros(1))[rows], SHALLOWEST_M)
@@ -180,7 +139,7 @@ def slices(moments: Table, scenario: Thing, ground: Ground, bodies: Bodies) -> P
 
 
 def land(moments: Table, scenario: Thing, ground: Ground, bodies: Bodies) -> Pieces:
-    """What each body cuts between moments, as it lies before; the first one's up to the wall."""
+    """The ground that each body will cut, from row to row; the first body's reaches to the wall."""
     over_m = np.zeros(bodies.count)
     over_m[0] = bodies.wall_m - bodies.edge_m[0] - bodies.width_m
     rows, s, t, yaw, _ = _at_the_bodies(moments, ground, bodies, 0.5 * over_m)
@@ -242,72 +201,6 @@ def _headings(truth: Table, ground: Ground) -> Array:
     return np.asarray(np.arctan2(local[:, 1], local[:, 0]))
 
 
-def _nodes(places: Array, field_beyond: bool, margin_m: float) -> Array:
-    """Lines of the mesh along one axis: close near the path, and far apart beyond."""
-    low, high = float(places.min()), float(places.max())
-    if not field_beyond:
-        return np.arange(low - margin_m, high + margin_m + 1.0, 0.1)
-    cell = max(CELL_M, (high - low) / 1000.0)
-    near = np.arange(low - FINE_M, high + FINE_M, cell)
-    below = np.arange(near[0] - FAR_M, near[0] - 0.1, FAR_CELL_M)
-    above = np.arange(near[-1] + FAR_CELL_M, near[-1] + FAR_M, FAR_CELL_M)
-    return np.concatenate([below, near, above])
-
-
-def _with_edges(
-    t_m: Array, found: list[tuple[Cut, Pass]], bodies: Bodies, scenario: Thing
-) -> Array:
-    """Lines of the mesh with some more: where walls stand, and at valleys and crests of slices."""
-    rising_m = bodies.width_m * np.cos(leaning_rad(scenario.plough.depth_m, bodies.width_m)) ** 2
-    valleys = np.arange(bodies.open_m + bodies.width_m, PLOUGHED_M, bodies.width_m)
-    last_m = bodies.wall_m - bodies.edge_m[-1]
-    edges = [
-        0.0, 0.04, bodies.open_m, bodies.open_m + BANK_M, *valleys,
-        *(valleys - bodies.width_m + rising_m), -last_m, -last_m + 0.04,
-    ]  # fmt: skip
-    walls_m = np.array([cut.wall_m for cut, _ in found])[:, None]
-    lines = np.concatenate([t_m, (walls_m + bodies.side * np.array(edges)).ravel()])
-    lines = np.unique(np.round(lines, 3))
-    return np.asarray(lines[np.append(True, np.diff(lines) > 0.005)])
-
-
-def _lifted_m(
-    scenario: Thing, ground: Ground, found: list[tuple[Cut, Pass]], k: int, s: Array, t: Array
-) -> tuple[Array, Array]:
-    """Height of the ground above the field as it was, and where it was worked.
-
-    The furrows before pass k and those before it, and all that it and the later ones will open.
-    """
-    lifted, worked = np.zeros_like(s), np.zeros(s.shape, bool)
-    if not found or ground.bodies is None:
-        return lifted, worked
-    bodies, depth_m = ground.bodies, scenario.plough.depth_m
-    done = [left_by(cut, bodies, depth_m, s, t) for cut, _ in found[: k + 1]]
-    to_come = [worked_by(way, bodies, depth_m, s, t, slices=False)[:2] for _, way in found[k:]]
-    for height, here in (*done, *to_come):
-        lifted, worked = np.where(here, height, lifted), worked | here
-    return lifted, worked
-
-
-def _soil(scenario: Thing) -> tuple[int, int, int]:
+def soil_colour(scenario: Thing) -> tuple[int, int, int]:
     """Colour of the land."""
     return COLOURS.get(getattr(getattr(scenario, "soil", None), "preset", ""), SOIL)
-
-
-def _colours(scenario: Thing, ground: Ground, s: Array, t: Array, cut: Array) -> Array:
-    """Colour of each node: the soil, the other soil, weaker stretches, what was ploughed."""
-    colour = np.broadcast_to(np.array(_soil(scenario), float), (*s.shape, 3))
-    mixture = ground.maps.get("mixture")
-    if mixture is not None:
-        colour = _blend(colour, OTHER, mixture.at(s, t))
-    for patch in getattr(getattr(scenario, "field", None), "patches", ()):
-        inside = (s >= patch.start_m) & (s <= patch.start_m + patch.length_m)
-        colour = _blend(colour, WET, inside * float(patch.friction_factor < 1.0))
-    colour = _blend(colour, TURNED, cut)
-    grain = np.random.default_rng(0).normal(1.0, 0.035, s.shape)[..., None]
-    return np.clip(colour * grain, 0.0, 255.0).astype(np.uint8)
-
-
-def _blend(colour: Array, other: tuple[int, int, int], share: Array) -> Array:
-    weight = np.asarray(share, float)[..., None]
-    return np.asarray((1.0 - weight) * colour + weight * np.array(other, float))

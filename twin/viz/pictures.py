@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import cv2
 import numpy as np
 import rerun as rr
 
@@ -18,6 +17,8 @@ ARROW_PX_PER_MPS = 120.0
 
 def log_frames(recording: rr.RecordingStream, streams: Streams, frames: Frames) -> None:
     """Each frame that was kept, small, with the velocity found between it and the one before."""
+    import cv2  # slow to import, and few runs have a camera
+
     camera = streams["camera"]
     rows = {int(number): row for row, number in enumerate(camera["frame"])}
     for number in frames:

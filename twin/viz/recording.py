@@ -18,7 +18,8 @@ from twin.viz import forces, plots, scene, tracks
 from twin.viz.blueprint import logged, simulated
 from twin.viz.bodies import bodies
 from twin.viz.events import drive_events, events, log_events
-from twin.viz.ground import Ground, log_ground, log_ploughing, worked
+from twin.viz.ground import Ground, log_ploughing, worked
+from twin.viz.ground_mesh import log_ground
 from twin.viz.paths import APPLICATION, WORLD
 from twin.viz.pictures import log_frames
 from twin.viz.tools import LARGE_M, every
@@ -93,7 +94,7 @@ def log(
         path: the .rrd file.
         streams, setup, estimates: of the drive.
         reference: what is known of the truth.
-        notes: what was found in reading it, told among the events.
+        notes: found in reading it; shown among the events.
     """
     placed = "gnss" in streams and "east_m" in streams["gnss"]
     geodetic = setup.origin is not None and placed

@@ -28,7 +28,7 @@ def log_machine(
         recording: what is written.
         truth: with pose and joint columns.
         model: of the machine.
-        turned: the same machine with its plough turned over, as it is on every other pass.
+        turned: the same machine with its plough turned over, for every other pass.
         from_ns: when each pass begins.
     """
     shapes, epoch_ns = Shapes.of(model), truth["epoch_ns"]

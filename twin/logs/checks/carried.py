@@ -1,6 +1,7 @@
 """Values carried forward: a table that repeats a slow source's last value until the next comes.
 
-A row that repeats bit for bit is no measurement, and ten of them are not ten times as sure.
+A row that repeats the last value between two beats of the source is not a measurement. A row on the
+beat is one, even if its value is the same. Ten copies of a value carry the information of one.
 """
 
 from __future__ import annotations
@@ -20,10 +21,17 @@ SHARE = 0.85
 
 
 def measured(columns: Sequence[Array]) -> NDArray[np.bool_] | None:
-    """Which rows are new measurements of a source whose values are carried forward; None if none.
+    """Which rows are new measurements of a source whose values are carried forward.
 
     The rows from change to change are whole multiples of a beat of at least three rows. Where the
     value stays for longer, the source has measured the same again at every beat.
+
+    Args:
+        columns: values of one source, each of shape (n,).
+
+    Returns:
+        Shape (n,); None if the values are not carried forward: they change less than five times,
+        on a beat below 2.9 rows, on no beat, or by steps of their resolution.
     """
     changed = np.zeros(len(columns[0]), bool)
     for column in columns:

@@ -1,4 +1,4 @@
-"""Values that stand for no value: codes of buses and receivers, and what tables write for a hole.
+"""Values that mean no value: codes of buses and receivers, and texts of tables.
 
 SAE J1939-71 and ISO 11783-7: a parameter of n bytes whose highest byte is 0xFF is not available,
 0xFE an error; NMEA 2000 likewise; ITU-R M.1371 has latitude 91 and longitude 181.

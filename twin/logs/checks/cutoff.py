@@ -9,7 +9,7 @@ from twin.streams import Array
 
 MOVING_MPS = 0.4
 """Ground speed at which wheels that read zero do not stand: eight of a receiver's sd, and more than
-its lag makes of a usual stop (0.3 s at 1 m/s2)."""
+its lag gives at a usual stop (0.3 s at 1 m/s2)."""
 
 
 CREEPING_MPS, CREEPING_S = 0.15, 5.0

@@ -1,4 +1,4 @@
-"""Driving backward in a log: machines often tell the size of a speed and not its sign.
+"""Driving backward in a log: machines often report the size of a speed without its sign.
 
 The sign of the wheels' speeds comes from a column of its own, `[wheels] direction`; else from where
 the antennas say that the ground's velocity points against their heading.

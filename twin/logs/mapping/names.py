@@ -90,7 +90,7 @@ _ENDS: dict[str, tuple[str, ...]] = {
     "ms": ("ms", "m/s"), "us": ("us",), "ns": ("ns",), "min": ("min",), "pct": ("%",),
     "percent": ("%",), "%": ("%",), "g": ("g",),
 }  # fmt: skip
-"""Unit at the end of a name, in lower case -> units it may stand for; the first allowed counts."""
+"""Unit at the end of a name, in lower case -> units it may mean; the first allowed counts."""
 _BRACKETS = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 _LONGEST_FIRST = "|".join(re.escape(end) for end in sorted(_ENDS, key=len, reverse=True))
 _END = re.compile(rf"[_ ](?!(?<=\bv[_ ])n$)(?!(?<=vel[_ ])n$)({_LONGEST_FIRST})$", re.IGNORECASE)

@@ -37,7 +37,7 @@ class Dialect:
     preamble: int = 0
     """Lines before the header that are none of the table."""
     quotes: bool = True
-    """Whether cells may stand in double quotes."""
+    """Whether cells may be in double quotes."""
 
 
 def dialect(path: Path, reading: Reading) -> Dialect:

@@ -38,7 +38,7 @@ class Fields:
 
 
 def time_of_day_ms(text: str) -> int:
-    """Milliseconds since midnight of a field written hhmmss.ss."""
+    """Milliseconds since midnight of a field written hhmmss.ss. Raises ValueError."""
     match = re.fullmatch(r"(\d\d)(\d\d)(\d\d)(\.\d{0,9})?", text.strip(), re.ASCII)
     if match is None:
         raise ValueError(f"time {text!r} is not hhmmss.ss")
@@ -50,7 +50,11 @@ def time_of_day_ms(text: str) -> int:
 
 
 def date_of(ddmmyy: str) -> datetime.date | None:
-    """A date; None for what a receiver writes before it knows the day (its years 80 to 99)."""
+    """A date; None for what a receiver writes before it knows the day (its years 80 to 99).
+
+    Raises:
+        ValueError: not ddmmyy, or no day of the calendar.
+    """
     if not ddmmyy:
         return None
     if not re.fullmatch(r"\d{6}", ddmmyy, re.ASCII):
@@ -60,7 +64,7 @@ def date_of(ddmmyy: str) -> datetime.date | None:
 
 
 def number_of(text: str) -> float:
-    """A field as a number; NaN when empty."""
+    """A field as a number; NaN when empty. Raises ValueError."""
     if not text:
         return math.nan
     if not re.fullmatch(r"[+-]?(\d+\.?\d*|\.\d+)", text, re.ASCII) or len(text) > 24:

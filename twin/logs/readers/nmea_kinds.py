@@ -1,4 +1,4 @@
-"""What each kind of NMEA sentence tells, by the names of its fields.
+"""Values of each kind of NMEA sentence, by the names of its fields.
 
 Layouts that `pynmeagps` does not know are named here: PANDA and PAOGI of AgOpenGPS boards, KSXT and
 HPR of Unicore and ComNav receivers, after their makers' manuals.
@@ -200,4 +200,4 @@ READERS: dict[str, Callable[[Fields], Told]] = {
     "PASHR": _pashr, "PANDA": _panda, "PAOGI": _paogi, "KSXT": _ksxt, "GLL": _gll, "ZDA": _zda,
     "TRA": _tra, "HPR": _tra, "PTNLAVR": _avr,
 }  # fmt: skip
-"""Kind -> what its fields tell."""
+"""Kind -> values of its fields."""

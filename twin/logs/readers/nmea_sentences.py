@@ -21,7 +21,7 @@ _UNTIMED = frozenset({"TRA", "HPR"})
 
 @dataclass(frozen=True, kw_only=True)
 class Sentence:
-    """What one sentence tells."""
+    """Values of one sentence."""
 
     line: int
     kind: str
@@ -44,7 +44,7 @@ class Unusable:
     line: int
     why: str
     checked: bool
-    """Whether a checksum, or its absence, told so."""
+    """Whether a checksum, or its absence, showed it."""
 
 
 def sentences(content: bytes) -> Iterator[Sentence | Unusable]:
