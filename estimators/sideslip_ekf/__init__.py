@@ -71,8 +71,8 @@ class SideslipEkf:
     """Of the accelerometers' biases [m2/s5]."""
     lean_sd: float = 0.1
     """sd of roll and pitch before anything is felt [rad]."""
-    misaligned_sd: float = math.radians(0.2)
-    """sd of the antennas' mounting angle [rad], as set with a square."""
+    misaligned_sd: float = math.radians(0.5)
+    """sd of the antennas' mounting angle [rad]: a square sets it to 0.2 degrees, the eye to 1."""
     misaligned_psd: float = 1e-12
     """Of its walk [rad2/s]."""
     lasting_share: float = 0.85

@@ -202,6 +202,7 @@ def _hear(values: Array, nominal: Record, tuning: Record, memory: Record) -> Non
     if math.isfinite(values[F_Y]) and not memory.heard[F_Y]:
         _lean(values, nominal, tuning, memory.x, memory.p)
         restart(memory.x, memory.p, PUSH, 0.0, 0.0)
+        memory.placed = 0  # where the antenna is no longer tells where the axle is
     for i in range(5):
         if math.isfinite(values[i]):
             memory.heard[i] = 1

@@ -68,5 +68,5 @@ def test_the_angle_is_within_half_a_degree_and_its_sd_is_honest(tmp_path):
     inside = np.mean(np.abs(error) <= 2.0 * sd)
     print(f"{np.sqrt(np.mean(error**2)):.3f} degrees rms, {100 * inside:.1f} % within 2 sd")
     assert scored.sum() > 10_000
-    assert np.sqrt(np.mean(error**2)) < 0.3
+    assert np.sqrt(np.mean(error**2)) < 0.5
     assert 0.85 < inside < 0.995

@@ -1,10 +1,13 @@
 """Slides across a slope whose amount is known, with and without camera and GNSS."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from slides import SETUP, slides
 
 from estimators.sideslip_ekf import SideslipEkf
+from estimators.sideslip_ekf.layout import MISALIGNED, PITCH
 from twin.streams import Streams
 from twin.testing import check_estimator
 
@@ -79,9 +82,26 @@ def test_one_stretch_alone_does_not_tell_askew_antennas_from_a_slope():
     own = SideslipEkf()
     state, _ = own.run(own.init(SETUP), Streams(alone))
     both, _ = own.run(own.init(SETUP), streams)
-    sd = [float(np.sqrt(s.memory["p"][0][13, 13])) for s in (state, both)]
+    sd = [float(np.sqrt(s.memory["p"][0][MISALIGNED, MISALIGNED])) for s in (state, both)]
     assert sd[0] > np.radians(0.15)
-    assert sd[1] < np.radians(0.08)
+    assert sd[1] < np.radians(0.1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_antennas_askew_by_a_degree_are_found_there_and_back(seed):
+    streams, *_, begin_s = slides(seed=seed, blind=True)
+    before = {
+        name: {c: v[t["epoch_ns"] < (begin_s - 1) * 1e9] for c, v in t.items()}
+        for name, t in streams.tables.items()
+    }
+    heading = before["gnss"]["heading_rad"]
+    own = SideslipEkf()
+    found = []
+    for askew in (0.0, np.radians(1.0)):
+        turned = Streams({**before, "gnss": before["gnss"] | {"heading_rad": heading + askew}})
+        state, _ = own.run(own.init(SETUP), turned)
+        found.append(state.memory["x"][0][MISALIGNED])
+    assert found[1] - found[0] == pytest.approx(np.radians(1.0), abs=np.radians(0.1))
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -89,6 +109,24 @@ def test_a_steep_slope_is_felt_from_the_first_sample(seed):
     told, true, sd, _ = estimated(seed=seed, slope_deg=18.0)
     assert abs(told[0] - true[0]) < 3 * sd
     assert told[0] == pytest.approx(true[0], rel=0.01)
+
+
+def test_a_first_position_does_not_tell_how_the_body_leans():
+    """Before a force is felt the antenna's place tells the axle's; after it the arm leans, too."""
+    gnss_setup = dataclasses.replace(SETUP.gnss, lever_arm_m=(0.4, 0.28, 3.0), position_sd_m=0.01)
+    setup = dataclasses.replace(SETUP, gnss=gnss_setup)
+    streams, *_ = slides(blind=True)
+    tables = {
+        name: {column: values[table["epoch_ns"] < 1e9] for column, values in table.items()}
+        for name, table in streams.tables.items()
+    }
+    tables["imu"] = {c: v[tables["imu"]["epoch_ns"] > 0.3e9] for c, v in tables["imu"].items()}
+    time_s = tables["gnss"]["epoch_ns"] * 1e-9
+    tables["gnss"] |= {"east_m": 0.4 + time_s, "north_m": np.full(len(time_s), 0.28)}
+    own = SideslipEkf()
+    state, _ = own.run(own.init(setup), Streams(tables))
+    sd = np.degrees(np.sqrt(state.memory["p"][0][PITCH, PITCH]))
+    assert sd > 0.4  # that of the accelerometer's bias is 0.6
 
 
 def test_frames_that_are_missing_for_a_while_are_got_over():
