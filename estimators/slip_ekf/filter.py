@@ -33,6 +33,9 @@ from estimators.slip_ekf.layout import (
 from estimators.slip_ekf.report import report
 from twin.compute.compiled import array_law
 
+SLOW_MPS = 0.5
+"""Below this speed a turn is no sharper."""
+
 
 @array_law
 def loop(
@@ -119,8 +122,9 @@ def advance(
             memory.noise_factor[FROM_GNSS] * (tuning.gnss_bias_share * nominal.velocity_sd_mps) ** 2
         )
         quick = memory.noise_factor[FROM_TOWED] * tuning.towed_fast_sd**2
+        turn = front_turn_mps / max(abs(memory.x[V]), SLOW_MPS)
         camera, gravity = memory.camera_psd, nominal.gravity
-        motion.noise(f, jerk, wheel, both, receiver, quick, camera, gravity, dt, tuning, q)
+        motion.noise(f, jerk, wheel, both, receiver, quick, turn, camera, gravity, dt, tuning, q)
         motion.propagate_covariance(memory.p, f, q, scratch)
         memory.cut[:] = 0
         if memory.keeps:

@@ -139,6 +139,9 @@ def _oscillate(x: Array, f: Array, dt: float, tuning: Record) -> None:
     )
 
 
+TURNING_PSD = 1e-4
+"""Density of the walk of the towed wheels' scale, over (wheelbase yaw rate / v)^2 [1/s]: steered
+wheels that scrub, as they do by 1 % on a headland of the twin."""
 PITCH_DAMPING = 0.15
 """Damping ratio of a tractor that pitches on its tyres."""
 
@@ -146,7 +149,7 @@ PITCH_DAMPING = 0.15
 @array_law
 def noise(
     f: Array, jerk: float, wheel: float, both: float, gnss_bias_var: float, towed_fast_var: float,
-    camera_psd: float, gravity: float, dt: float, tuning: Record, q: Array,
+    turn: float, camera_psd: float, gravity: float, dt: float, tuning: Record, q: Array,
 ) -> None:  # fmt: skip
     """Fill Q of a step.
 
@@ -155,6 +158,7 @@ def noise(
         jerk, wheel, both: densities of the noise on a, on r, and of both together [m2/s5].
         gnss_bias_var: variance of GNSS's lasting error [m2/s2].
         towed_fast_var: variance of the towed wheels' quick error.
+        turn: wheelbase times yaw rate over speed.
         camera_psd: density of the walk of a camera's scale [1/s].
         gravity: 1 where gravity leaks into the accelerations, else 0.
         dt: the step [s].
@@ -169,6 +173,7 @@ def noise(
         (TOWED, tuning.scale_sd**2),
     ):
         q[i, i] = var * (1.0 - f[i, i] ** 2)  # keeps the variance of what is forgotten
+    q[TOWED, TOWED] += TURNING_PSD * turn**2 * dt
     at = tuning.pitch_slip_sd**2
     rate = at * (2.0 * math.pi * tuning.pitch_hz) ** 2
     a, b, c, d = (

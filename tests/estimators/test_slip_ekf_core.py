@@ -113,7 +113,7 @@ def test_the_sparse_prediction_is_the_dense_one():
     rng = np.random.default_rng(2)
     f, q = np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
     motion.step(a_state(), RIM, 0.4, 1.0, 0.02, TUNING, f)
-    motion.noise(f, 0.2, 0.1, 0.05, 1e-4, 1e-5, 1e-5, 1.0, 0.02, TUNING, q)
+    motion.noise(f, 0.2, 0.1, 0.05, 1e-4, 1e-5, 0.3, 1e-5, 1.0, 0.02, TUNING, q)
     root = rng.standard_normal((SIZE, SIZE))
     p = root @ root.T
     due = f @ p @ f.T + q
