@@ -107,7 +107,16 @@ def by_rollouts(task: Task) -> Calibration:
     conditions = tuple(Condition(s.working, Driven(exact[g], set_names[g])) for s, g in kept)
     prior = prior_of(task, names, own)
     fixed = {n: own[n][0] for n in ("log.reference_torque_nm",) if n not in names}
-    model = Rollouts(drawn, tuple(names), proof, conditions, (front_m, rear_m), task.jobs, fixed)
+    model = Rollouts(
+        drawn,
+        tuple(names),
+        proof,
+        conditions,
+        (front_m, rear_m),
+        np.exp(prior.mean),
+        task.jobs,
+        fixed,
+    )
     result = fit(model, prior, seed=task.seed, starts=task.starts, told=task.told,
                  remember=task.memory)  # fmt: skip
     scale = result.values.get("log.wheel_scale", 1.0)
