@@ -181,6 +181,8 @@ def _slip_ahead(
     )
     force, ratio = load * engine / wheel, ground / wheel
     left = fitted.ratio - _read_off(force[0], ratio[0], fitted.force)
+    if not np.isfinite(left).all():
+        return None
     noise = estimated(left[:, None], fitted.time_s, np.array([0.001]))
     ratios = np.array([_read_off(f, r, back.force) for f, r in zip(force, ratio, strict=True)])
     return held_out(back, fitted, ratios, result.cov, float(noise.sd()[0, 0]), scale, task.seed)
@@ -191,6 +193,8 @@ def _read_off(force: Array, ratio: Array, at: Array) -> Array:
     from scipy.interpolate import PchipInterpolator
 
     driven = np.isfinite(ratio)
-    order = np.argsort(force[driven])
-    force, ratio = force[driven][order], ratio[driven][order]
+    force, order = np.unique(force[driven], return_index=True)
+    ratio = ratio[driven][order]
+    if len(force) < 2:
+        return np.full(len(at), np.nan)
     return np.asarray(PchipInterpolator(force, ratio)(np.clip(at, force[0], force[-1])))
