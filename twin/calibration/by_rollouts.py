@@ -50,8 +50,9 @@ ROLLOUT_NAMES = (
     "log.wheel_scale",
 )  # fmt: skip
 """What such a log may tell of."""
-LOADS = (0.4, 0.8, 1.2, 1.6)
-"""Shares of the draft that was found, at which slip is foretold over force."""
+LOADS = (0.5, 0.8, 1.05, 1.3)
+"""Shares of the draft that was found, at which slip is foretold over force; near a stall, which is
+not far beyond, slip hangs on everything."""
 
 
 def by_rollouts(task: Task) -> Calibration:
@@ -180,6 +181,8 @@ def _slip_ahead(
         for c in ("engine_radps", "engine_load", "wheel_speed_mps", "speed_mps")
     )
     force, ratio = load * engine / wheel, ground / wheel
+    pulled = np.isfinite(force * ratio).all(axis=0)  # by all: else the slopes would jump
+    force, ratio = force[:, pulled], ratio[:, pulled]
     left = fitted.ratio - _read_off(force[0], ratio[0], fitted.force)
     if not np.isfinite(left).all():
         return None
