@@ -50,8 +50,9 @@ ROLLOUT_NAMES = (
     "log.wheel_scale",
 )  # fmt: skip
 """Parameters that such a log may determine."""
-LOADS = (0.4, 0.8, 1.2, 1.6)
-"""Shares of the draft that was found, at which slip is foretold over force."""
+LOADS = (0.5, 0.8, 1.05, 1.3)
+"""Shares of the draft that was found, at which slip is predicted over force; near a stall, which is
+not far beyond, slip depends strongly on every parameter."""
 
 
 def by_rollouts(task: Task) -> Calibration:
@@ -111,7 +112,16 @@ def by_rollouts(task: Task) -> Calibration:
     conditions = tuple(Condition(s.working, Driven(exact[g], set_names[g])) for s, g in kept)
     prior = prior_of(task, names, own)
     fixed = {n: own[n][0] for n in ("log.reference_torque_nm",) if n not in names}
-    model = Rollouts(drawn, tuple(names), proof, conditions, (front_m, rear_m), task.jobs, fixed)
+    model = Rollouts(
+        drawn,
+        tuple(names),
+        proof,
+        conditions,
+        (front_m, rear_m),
+        np.exp(prior.mean),
+        task.jobs,
+        fixed,
+    )
     result = fit(model, prior, seed=task.seed, starts=task.starts, told=task.told,
                  remember=task.memory)  # fmt: skip
     scale = result.values.get("log.wheel_scale", 1.0)
@@ -175,7 +185,11 @@ def _slip_ahead(
         for c in ("engine_radps", "engine_load", "wheel_speed_mps", "speed_mps")
     )
     force, ratio = load * engine / wheel, ground / wheel
+    pulled = np.isfinite(force * ratio).all(axis=0)  # by all: else the slopes would jump
+    force, ratio = force[:, pulled], ratio[:, pulled]
     left = fitted.ratio - _read_off(force[0], ratio[0], fitted.force)
+    if not np.isfinite(left).all():
+        return None
     noise = estimated(left[:, None], fitted.time_s, np.array([0.001]))
     ratios = np.array([_read_off(f, r, back.force) for f, r in zip(force, ratio, strict=True)])
     return held_out(back, fitted, ratios, result.cov, float(noise.sd()[0, 0]), scale, task.seed)
@@ -186,6 +200,8 @@ def _read_off(force: Array, ratio: Array, at: Array) -> Array:
     from scipy.interpolate import PchipInterpolator
 
     driven = np.isfinite(ratio)
-    order = np.argsort(force[driven])
-    force, ratio = force[driven][order], ratio[driven][order]
+    force, order = np.unique(force[driven], return_index=True)
+    ratio = ratio[driven][order]
+    if len(force) < 2:
+        return np.full(len(at), np.nan)
     return np.asarray(PchipInterpolator(force, ratio)(np.clip(at, force[0], force[-1])))

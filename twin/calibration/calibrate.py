@@ -54,7 +54,8 @@ def calibrate(
     """Find the machine and the soil that explain a recorded drive.
 
     Args:
-        log: as `twin.estimate` takes it.
+        log: as `twin.estimate` takes it; or a TOML file with points of a dynamometer at the
+            take-off (`twin.calibration.by_points`).
         column_map: TOML that says which column is what.
         machine: a name, a file, or what a file holds; its numbers and grades are the prior.
         parameters: names of what is fitted; None for all that the log can determine.
@@ -84,6 +85,10 @@ def calibrate(
         if not can_fit(known_machine, name):
             raise BadInput(f"{name} cannot be fitted to {known_machine.name}, whose MJCF is made "
                            "by hand; another parameter would do")  # fmt: skip
+    if len(paths) == 1 and paths[0].suffix == ".toml":
+        from twin.calibration.by_points import by_points, read_points
+
+        return by_points(read_points(paths[0]), known_machine, paths[0].name, told)
     told("reading")
     read = logs.read(paths, None if column_map is None else Path(column_map))
     rows = seconds(read)

@@ -74,6 +74,14 @@ MACHINE = (
         **_numeric("engine.transmission_efficiency"),
     ),
     Known(
+        name="engine.rated_power_kw", unit="kW", about="rated power", spread=0.06, low=0.05,
+        high=1000.0, settles="a dynamometer at the crank, or drawbar power on a hard road",
+    ),
+    Known(
+        name="engine.pto_efficiency", unit="-", about="take-off's efficiency", spread=0.03,
+        low=0.5, high=1.0, settles="engine torque beside the take-off's",
+    ),
+    Known(
         name="engine.parasitic_nm", unit="N m", about="engine's parasitic torque", spread=0.5,
         low=0.1, high=500.0, settles="engine torque while standing with the engine running",
         **_numeric("engine.parasitic_nm"),

@@ -75,7 +75,7 @@ def scores(found: Calibration) -> list[list[str]]:
 def about(found: Calibration) -> list[str]:
     """Gears, lag and misfit, in sentences."""
     gears = ", ".join(f"{g.name} (ratio {g.ratio:.4g}, {g.share:.0%})" for g in found.gears)
-    out = [f"gears found: {gears or 'none'}"]
+    out = [f"gears found: {gears or 'none'}"] if found.soil is not None else []
     if math.isfinite(found.lag.lag_s):
         out.append(f"GNSS lags the wheels by {found.lag.lag_s:.2f} s "
                    f"({found.lag.low_s:.2f} to {found.lag.high_s:.2f})")  # fmt: skip

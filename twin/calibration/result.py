@@ -33,7 +33,8 @@ class Calibration:
     name: str
     machine: Machine
     """With the values that were found."""
-    soil: Soil
+    soil: Soil | None
+    """None where nothing was on the ground."""
     parameters: tuple[Told, ...]
     posterior: Posterior
     together: tuple[str, ...]
@@ -70,9 +71,12 @@ class Calibration:
         source = f"twin calibrate {self.name}"
         texts = {
             "machine": written.machine_toml(self.machine, self.parameters, source),
-            "soil": written.soil_toml(self.soil, self.name),
             "report": page(self, command),
         }
+        if self.soil is not None:
+            texts["soil"] = written.soil_toml(self.soil, self.name)
+        else:
+            del paths["soil"]
         for what, text in texts.items():
             write_text(paths[what], text)
         self.posterior.write(paths["posterior"])

@@ -113,6 +113,8 @@ class Rollouts:
     """Of each segment."""
     radii_m: tuple[float, float]
     """Nominal rolling radii in front and behind, by which the log has speeds."""
+    begin: Array
+    """Parameters of the machine whose steady rolling is where all rollouts begin. Shape (p,)."""
     nthread: int = 1
     fixed: dict[str, float] = field(default_factory=dict)
     """Parameters that are not fitted."""
@@ -121,7 +123,7 @@ class Rollouts:
         self.measured, self.covariance = self.evidence.measured, self.evidence.covariance
         self.time_s, self.floor = self.evidence.time_s, self.evidence.floor
         self._started: tuple[Machine, dict[bool, Snapshot]] | None = None
-        self._simulations: dict[int, Simulation] = {}
+        self._simulations: dict[int, tuple[Simulation, set[str]]] = {}
 
     def foretold(self, values: Array) -> Array:
         """The channels in all segments for parameters (k, p): shape (k, n, c)."""
@@ -147,24 +149,25 @@ class Rollouts:
         of_drive = list(dict.fromkeys(moved))
         drives = [sets[moved.index(each)] for each in of_drive]
         driven = list(dict.fromkeys(conditions))
-        machine, snapshots = self._start(sets[0], driven[0].gear)
+        machine, snapshots = self._start()
         gears = list(dict.fromkeys(c.gear for c in driven))
         made = {g: [assemble(self.drawn.scenario(v, g)) for v in drives] for g in gears}
         machines = [made[c.gear][i] for i in range(len(drives)) for c in driven]
         count = len(machines)
         if count not in self._simulations:
-            self._simulations[count] = Simulation(machine, count, self.nthread)
-        simulation = self._simulations[count]
+            self._simulations[count] = Simulation(machine, count, self.nthread), set()
+        simulation, own = self._simulations[count]
         working = [c.working for c in driven] * len(drives)
-        _prepare(simulation, machines, [snapshots[w] for w in working], working)
+        _prepare(simulation, own, machines, [snapshots[w] for w in working], working)
         with quiet():
             slots = _means(simulation).reshape(len(drives), len(driven), -1)
         found = self._channels(sets, slots[[of_drive.index(each) for each in moved]])
         return found[:, [driven.index(c) for c in conditions]]
 
-    def _start(self, values: dict[str, float], gear: Gear) -> tuple[Machine, dict[bool, Snapshot]]:
+    def _start(self) -> tuple[Machine, dict[bool, Snapshot]]:
         if self._started is None:
-            machine = build(self.drawn.scenario(values, gear))
+            (values,) = self._sets(self.begin[None])
+            machine = build(self.drawn.scenario(values, self.conditions[0].gear))
             self._started = machine, _snapshots(machine)
         return self._started
 
@@ -218,25 +221,28 @@ def _snapshots(machine: Machine) -> dict[bool, Snapshot]:
 
 
 def _prepare(
-    simulation: Simulation, machines: list[Machine], starts: list[Snapshot], working: list[bool]
-) -> None:
+    simulation: Simulation, own: set[str], machines: list[Machine], starts: list[Snapshot],
+    working: list[bool],
+) -> None:  # fmt: skip
     """Put every machine of the Batch at its start, as fast as its throttle and gear ask for.
 
-    One that is too fast would brake, and not be steady for long.
+    One that is too fast would brake, and not be steady for long. Nothing is left of the rollout
+    before; `own` are the fields of the model that each machine has for itself by now.
     """
+    warm = simulation.batch.bind("qacc_warmstart")
     base = simulation.machine.model
-    for name in _differing(base, [m.model for m in machines]):
+    own.update(_differing(base, [m.model for m in machines]))
+    for name in own:
         simulation.batch.expand(name)[:] = [getattr(m.model, name) for m in machines]
     for i, (machine, start) in enumerate(zip(machines, starts, strict=True)):
         simulation.batch.warning[i] = 0
-        simulation.state[i] = start.state
+        simulation.state[i], warm[i] = start.state, 0.0
         simulation.qvel[i] *= asked_mps(machine) / start.asked_mps
         simulation.drivers[i] = start.driver
         simulation.drivetrain[i] = tuple(drivetrain(machine))
         simulation.pedals[i] = tuple(BrakePedal())
         simulation.tasks[i]["throttle"] = machine.throttle
-        if not working[i]:
-            simulation.tasks[i]["approach_m"] = math.inf
+        simulation.tasks[i]["approach_m"] = APPROACH_M if working[i] else math.inf
     simulation.batch.forward()
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -62,20 +62,24 @@ class Trial:
     sd: dict[str, float]
     """Of the posterior's logarithm."""
     verdict: dict[str, str]
+    notes: tuple[str, ...] = ()
+    """What the calibration noted."""
     misfit: float = math.nan
+    holdout: dict[str, float | None] = field(default_factory=dict)
+    """Scores of the part held back."""
 
 
-def trial(seed: int) -> Trial:
-    """Draw a truth, drive it, fit the log."""
+def trial(seed: int, law: str = "brixius", fitted_law: str = "brixius") -> Trial:
+    """Draw a truth under a soil law, drive it, fit the log under the same law or another."""
     generator = np.random.default_rng(seed)
     name = str(generator.choice(MACHINES))
-    machine, soil = files.machine(name), Soil(preset="tilled")
+    machine, soil = files.machine(name), Soil(preset="tilled", law=law)
     truth = drawn_truth(machine, soil, generator)
     none: dict[str, float] = {}
     try:
         scenario = driven(machine, soil, truth, generator, seed)
         with tempfile.TemporaryDirectory() as folder:
-            found = _fitted(scenario, name, Path(folder))
+            found = _fitted(scenario, name, fitted_law, Path(folder))
     except TwinError as error:
         return Trial(seed, name, str(error), truth, none, none, {})
     names = [n for n in found.posterior.names if n in truth]
@@ -85,7 +89,7 @@ def trial(seed: int) -> Trial:
         seed, name, "", truth,
         {n: math.log(values[n].value / truth[n]) for n in names},
         {n: float(sds[n]) for n in names}, {n: values[n].verdict for n in names},
-        found.fit.misfit,
+        found.notes, found.fit.misfit, found.holdout.scores if found.holdout else {},
     )  # fmt: skip
 
 
@@ -127,10 +131,10 @@ def driven(
     )  # fmt: skip
 
 
-def _fitted(scenario: Scenario, machine: str, folder: Path) -> Calibration:
+def _fitted(scenario: Scenario, machine: str, law: str, folder: Path) -> Calibration:
     result = run(scenario, estimators={})
     log = run_folder.write(result, {}, folder / "log")
-    return calibrate(log, machine=machine, soil=Soil(preset=scenario.soil.preset), starts=1)
+    return calibrate(log, machine=machine, soil=Soil(preset="tilled", law=law), starts=1)
 
 
 @dataclass(frozen=True)

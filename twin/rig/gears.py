@@ -17,7 +17,7 @@ from twin.rig.drawbar import drawbar
 from twin.rig.table import Measured
 from twin.rig.tractor import tractor
 from twin.scenario import Drive, Soil
-from twin.vehicle import files
+from twin.vehicle import Machine, files
 
 Array = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ def gears(
     *,
     speeds_kmh: Sequence[float] = SPEEDS_KMH,
     hitch_m: float | None = None,
-    machine: str = files.USUAL,
+    machine: str | Machine = files.USUAL,
     all_wheel_drive: bool = False,
 ) -> Gears:
     """Greatest steady drawbar power in each gear, as OECD Code 2 measures it.
@@ -61,7 +61,8 @@ def gears(
         soil: what lies under it, the same everywhere.
         speeds_kmh: gears, by their speed at rated engine speed without slip.
         hitch_m: height of the pull above the ground.
-        machine: a name of `twin list`, or a file; one with fixed gears has the nearest to each.
+        machine: a name of `twin list`, a file, or what a file holds; one with fixed gears has the
+            nearest to each.
         all_wheel_drive: engage the front axle.
 
     Raises:
@@ -76,7 +77,7 @@ def gears(
 
 
 def _best(
-    soil: Soil, gear_kmh: float, hitch_m: float | None, name: str, all_wheel_drive: bool
+    soil: Soil, gear_kmh: float, hitch_m: float | None, name: str | Machine, all_wheel_drive: bool
 ) -> dict[str, float]:
     check_range("speeds_kmh", gear_kmh, 3.0, 30.0)
     machine = tractor("rig-gears", soil, machine=name)
