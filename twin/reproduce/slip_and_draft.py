@@ -4,8 +4,8 @@ Published: slip of 15 to 24 % under the new control and of 12 to 48 % under draf
 less fuel per hectare, 3.4 to 14.5 % more field capacity, at initial depths of 150, 180 and 220 mm.
 The tractor, plough and soil of the trial are not known to us, nor is the law of its controller.
 Here a Massey Ferguson 275 draws three bodies over tilled soil, two fifths of it areas of some 12 m
-where the wheels grip less. The size and grip of these areas are assumed, and the figures follow
-from them.
+where the wheels grip less. The size and grip of these areas are assumed, with a look at how much
+draft control slips on them; what the other control makes of it follows.
 
 Source: Roul et al., J. Sci. Ind. Res., op.niscair.res.in 52444; what of it is known here is its
 text page.

@@ -4,8 +4,9 @@ Published: a New Holland T1404 with a power-shift gearbox, 130 s of subsoiling, 
 14.1 s with the control and for 18.9 s without, 25.4 % less. Field, subsoiler, depth and the law of
 the controller are not known to us. Here a Taishan 1404A of about the same power draws three legs
 at 30 cm through firm soil of medium texture, a fifth of it areas of some 8 m where the wheels grip
-less. The grip of these areas is assumed, and the figures follow from it. The throttle sets the
-speed; the gear stays.
+less. The grip of these areas and the soil's draft are assumed, with a look at how long the wheels
+slip without control; what the control makes of it follows. The throttle sets the speed; the gear
+stays.
 
 Source: Luo et al. 2023, Agronomy 13(2):281, doi 10.3390/agronomy13020281; what of it is known here
 is its abstract.
