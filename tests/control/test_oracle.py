@@ -88,7 +88,7 @@ def test_tiers():
     assert regret.steep({"field.cross_slope_deg": -12.0}) == "above 10 deg"
 
 
-@pytest.mark.parametrize("name", ["Plough-v1"])
+@pytest.mark.parametrize("name", oracle.SEARCHES)
 def test_the_shipped_plans_are_of_all_held_out_grounds(name):
     found = shipped(name)
     assert found is not None

@@ -7,7 +7,7 @@ import pytest
 
 from twin.control import tune
 from twin.control.controllers import PI
-from twin.control.trials import TRAINING
+from twin.control.trials import ENVIRONMENTS, TRAINING
 
 PLACE = {"throttle": 0.9, "trim_m": -0.03, "kp_m": 0.5, "ki_mps": 0.1}
 
@@ -38,3 +38,17 @@ def test_rounds_close_in_on_the_best_and_stay_in_the_ranges(monkeypatch):
     assert reward == pytest.approx(0.0, abs=0.02)
     first, last = (np.ptp(controller.kp_m) for controller in (seen[0], seen[-1]))
     assert last < 0.2 * first
+
+
+@pytest.mark.parametrize("name", ENVIRONMENTS)
+def test_each_baseline_acts_on_what_its_environment_shows(name):
+    kind, baselines = ENVIRONMENTS[name]
+    env = kind(2, observation="truth", nthread=1)
+    observation, _ = env.reset(seed=TRAINING)
+    names = [entry.name for entry in env.entries]
+    seen = dict(zip(names, observation.T.astype(float), strict=True))
+    for baseline in baselines.values():
+        _, actions = baseline.act(baseline.init(2), seen, 0.02)
+        assert actions.shape == env.action_space.shape
+        assert np.abs(actions).max() <= 1.0
+    assert name in tune.BUDGETS

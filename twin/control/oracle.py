@@ -71,7 +71,7 @@ GAIN_SPREAD = 0.2
 """Deviation of a gain's first candidates, over its range."""
 SEARCHES = {
     "Plough-v1": Search((0.3, 0.3, 0.1, 0.3), 10, 4, 4, ((1, 2, 0.6), (4, 2, 0.6))),
-    "WheelSlip-v1": Search((0.2, 0.2), 10, 4, 4, ((1, 2, 0.6), (6, 2, 0.6))),
+    "WheelSlip-v1": Search((0.2, 0.2), 8, 3, 2, ((4, 2, 0.6),)),
 }
 """How the shipped plans were found."""
 

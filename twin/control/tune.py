@@ -25,7 +25,7 @@ BUDGETS = {
     "Plough-v0": (3, 12, 6, 12.0, "truth"),
     "WheelSlip-v0": (3, 12, 3, 8.0, "estimate"),
     "Plough-v1": (4, 32, 16, 20.0, "truth"),
-    "WheelSlip-v1": (4, 32, 16, 20.0, "truth"),
+    "WheelSlip-v1": (3, 24, 12, 20.0, "truth"),
 }
 """Rounds, candidates of each, training grounds, length of an episode [s], what is seen."""
 RANGES: dict[str, tuple[float, float]] = {

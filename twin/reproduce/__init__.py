@@ -11,6 +11,8 @@ REGISTRY: dict[str, str] = {
     "ima-pkf-disturbed": "twin.reproduce.ima_pkf_disturbed:rows",
     "ima-pkf-field": "twin.reproduce.ima_pkf_field:rows",
     "slip-ekf": "twin.reproduce.slip_ekf:rows",
+    "slip-and-draft": "twin.reproduce.slip_and_draft:rows",
+    "speed-and-depth": "twin.reproduce.speed_and_depth:rows",
 }
 """Experiment -> "module:function"."""
 
@@ -18,6 +20,8 @@ STORIES: dict[str, str] = {
     "ima-pkf": "twin.reproduce.ima_pkf_story:clean",
     "ima-pkf-disturbed": "twin.reproduce.ima_pkf_story:disturbed",
     "ima-pkf-field": "twin.reproduce.ima_pkf_story:field",
+    "slip-and-draft": "twin.reproduce.slip_and_draft:said",
+    "speed-and-depth": "twin.reproduce.speed_and_depth:said",
 }
 """Experiment -> "module:function" that makes a `story.Story` of its rows."""
 
@@ -29,4 +33,6 @@ ABOUT: dict[str, str] = {
     "ima-pkf-disturbed": "the same with five half-sine disturbances a trial",
     "ima-pkf-field": "the same from the twin's own sensors, ploughing at 15 to 30 cm",
     "slip-ekf": "slip-ekf on both, beside the smallest errors that sensors and motion allow",
+    "slip-and-draft": "slip-and-draft against draft control while ploughing (Roul et al.)",
+    "speed-and-depth": "slip control by speed and depth while subsoiling (Luo et al. 2023)",
 }
