@@ -1,4 +1,4 @@
-"""Points of a dynamometer at the take-off, as published tests give them."""
+"""Points of a dynamometer at the PTO, as published tests give them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def sheet(number: int) -> Path:
 
 
 def before(name: str) -> Machine:
-    """The catalogue's machine, but for the take-off's efficiency, which is from these tests."""
+    """The catalogue's machine, but for the PTO's efficiency, which is from these tests."""
     machine = files.machine(name)
     return replace(machine, engine=replace(machine.engine, pto_efficiency=None))
 
@@ -35,7 +35,7 @@ def test_points_tell_the_engine_and_nothing_behind_the_gearbox() -> None:
     for name in ("transmission.efficiency", "mass_kg"):
         assert told[name].verdict == "not identified"
         assert told[name].value == pytest.approx(told[name].prior)
-    assert any("take-off's efficiency only together" in line for line in found.together)
+    assert any("PTO's efficiency only together" in line for line in found.together)
 
 
 @pytest.mark.slow
@@ -65,10 +65,10 @@ def test_the_command_writes_a_machine_and_no_soil(
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("[take_off]\nengine_rpm = [2200]\npower_kw = []\nfuel_lph = [28]\n", "need a value for"),
-        ("[take_off]\nengine_rpm = [2200]\npower_kw = [-1]\nfuel_lph = [28]\n", "above 0 would do"),
-        ("[drawbar]\npower_kw = 75\n", "take_off"),
-        ("[take_off", "is no TOML file"),
+        ("[pto]\nengine_rpm = [2200]\npower_kw = []\nfuel_lph = [28]\n", "need a value for"),
+        ("[pto]\nengine_rpm = [2200]\npower_kw = [-1]\nfuel_lph = [28]\n", "above 0 would do"),
+        ("[drawbar]\npower_kw = 75\n", "pto"),
+        ("[pto", "is no TOML file"),
     ],
 )
 def test_a_sheet_that_says_too_little_is_refused(

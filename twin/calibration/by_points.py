@@ -1,13 +1,13 @@
-"""A calibration by points of a dynamometer at the take-off, and what it foretells at the drawbar.
+"""A calibration by points of a dynamometer at the PTO, and the drawbar power that it predicts.
 
-    [take_off]                     # full load at engine speeds
+    [pto]                     # full load at engine speeds
     engine_rpm = [2200]
     power_kw = [90.1]
     fuel_lph = [28.4]
     [drawbar]                      # never fitted
     power_kw = 75.6
 
-A take-off passes by the transmission, the wheels and the ground: of these the points tell nothing.
+The PTO does not use transmission, wheels and ground, so the points say nothing of these.
 """
 
 from __future__ import annotations
@@ -46,20 +46,20 @@ NAMES = (
     "engine.rated_power_kw", "engine.pto_efficiency", "engine.fuel_l_per_kwh",
     "transmission.efficiency", "mass_kg",
 )  # fmt: skip
-"""What the points may tell of, and what the drawbar hangs on beside it."""
+"""Parameters that the points may determine, and those that drawbar power depends on beside them."""
 SD = 0.01
-"""Of a measured power and fuel rate, relative: what OECD Code 2 allows, as recalled."""
+"""Of a measured power and fuel rate, relative: what OECD Code 2 allows, from memory."""
 ROAD = Soil(preset="asphalt")
 GEARS_KMH = (8.5, 10.0, 12.0)
 """Gears of which the best is taken, by their speed at rated engine speed."""
 SLOPE_STEP = 0.03
 """Difference of a logarithm over which drawbar power's slope is taken: its loads go in steps."""
-RULE = "Every point of the take-off is fitted; what was measured at the drawbar never is."
+RULE = "Every point of the PTO is fitted; what was measured at the drawbar never is."
 
 
 @dataclass(frozen=True, kw_only=True)
-class TakeOff:
-    """Full load at the take-off."""
+class Pto:
+    """Full load at the PTO."""
 
     engine_rpm: tuple[float, ...]
     power_kw: tuple[float, ...]
@@ -68,12 +68,12 @@ class TakeOff:
     def __post_init__(self) -> None:
         lengths = {len(self.engine_rpm), len(self.power_kw), len(self.fuel_lph)}
         if len(lengths) > 1 or lengths == {0}:
-            raise BadInput("take_off: engine_rpm, power_kw and fuel_lph need a value for each of "
+            raise BadInput("pto: engine_rpm, power_kw and fuel_lph need a value for each of "
                            "the points, one at least")  # fmt: skip
         for name in ("engine_rpm", "power_kw", "fuel_lph"):
             for value in getattr(self, name):
                 if not (math.isfinite(value) and value > 0.0):
-                    raise BadInput(f"take_off.{name} = {value:g}; above 0 would do")
+                    raise BadInput(f"pto.{name} = {value:g}; above 0 would do")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +87,7 @@ class Drawbar:
 class Points:
     """One published test, or a dynamometer's sheet."""
 
-    take_off: TakeOff
+    pto: Pto
     drawbar: Drawbar | None = None
 
 
@@ -102,14 +102,14 @@ class Pulled:
 
 
 @dataclass
-class AtTakeOff:
+class AtPto:
     """The model: power and fuel rate of each point."""
 
     machine: Machine
-    points: TakeOff
+    points: Pto
 
     def __post_init__(self) -> None:
-        self.channels = ("take_off_kw", "fuel_lph")
+        self.channels = ("pto_kw", "fuel_lph")
         self.measured = np.array([self.points.power_kw, self.points.fuel_lph]).T
         self.time_s = np.arange(len(self.measured), dtype=np.float64)
         self.floor = np.array([0.01, 0.01])
@@ -121,7 +121,7 @@ class AtTakeOff:
                          strict=True)))) for row in values])  # fmt: skip
 
     def _of(self, machine: Machine) -> Array:
-        scenario = Scenario(name="take-off", machine=machine.name, machine_numbers=machine,
+        scenario = Scenario(name="pto", machine=machine.name, machine_numbers=machine,
                             course=Course(length_m=100.0))  # fmt: skip
         numbers = machine_facts(machine).numbers
         engine = assemble(scenario).model.numeric_data[-block.SIZE :][block.ENGINE :]
@@ -145,20 +145,20 @@ def read_points(path: Path) -> Points:
 def by_points(
     points: Points, machine: Machine, name: str, say: Callable[[str], None] = lambda what: None
 ) -> Calibration:
-    """Fit a machine to points of its take-off; foretell its drawbar power where it was measured.
+    """Fit a machine to points of its PTO; predict its drawbar power where it was measured.
 
     Raises:
         BadInput: the machine's MJCF is made by hand, which has no such parameters.
     """
     if not all(can_fit(machine, n) for n in NAMES):
-        raise BadInput(f"points of a take-off cannot be fitted to {machine.name}, whose MJCF is "
+        raise BadInput(f"points of a PTO cannot be fitted to {machine.name}, whose MJCF is "
                        "made by hand; a machine's file without mjcf would do")  # fmt: skip
     before = [believed(machine, ROAD, n) for n in NAMES]
     low, high = np.log([(known(n).low, known(n).high) for n in NAMES]).T
     prior = Prior(NAMES, np.log([value for value, _, _ in before]),
                   np.array([sd for _, sd, _ in before]), low, high,
                   tuple(grade for _, _, grade in before))  # fmt: skip
-    model = AtTakeOff(machine, points.take_off)
+    model = AtPto(machine, points.pto)
     result = fit(model, prior, starts=1)
     notes = [*far_notes(result), *filter(None, [misfit_note(result)])]
     if points.drawbar is not None:
@@ -191,7 +191,7 @@ def _best(machine: Machine, u: Array, speeds_kmh: Sequence[float]) -> tuple[floa
 
 
 def _said(pulled: Pulled) -> str:
-    said = (f"drawbar power on a hard road is foretold as {pulled.power_kw:.1f} kW "
+    said = (f"drawbar power on a hard road is predicted as {pulled.power_kw:.1f} kW "
             f"({pulled.low_kw:.1f} to {pulled.high_kw:.1f})")  # fmt: skip
     if pulled.measured_kw is None:
         return said

@@ -55,7 +55,7 @@ def calibrate(
 
     Args:
         log: as `twin.estimate` takes it; or a TOML file with points of a dynamometer at the
-            take-off (`twin.calibration.by_points`).
+            PTO (`twin.calibration.by_points`).
         column_map: TOML that says which column is what.
         machine: a name, a file, or what a file holds; its numbers and grades are the prior.
         parameters: names of what is fitted; None for all that the log can determine.

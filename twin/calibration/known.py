@@ -78,8 +78,8 @@ MACHINE = (
         high=1000.0, settles="a dynamometer at the crank, or drawbar power on a hard road",
     ),
     Known(
-        name="engine.pto_efficiency", unit="-", about="take-off's efficiency", spread=0.03,
-        low=0.5, high=1.0, settles="engine torque beside the take-off's",
+        name="engine.pto_efficiency", unit="-", about="PTO's efficiency", spread=0.03,
+        low=0.5, high=1.0, settles="engine torque beside the PTO's",
     ),
     Known(
         name="engine.parasitic_nm", unit="N m", about="engine's parasitic torque", spread=0.5,

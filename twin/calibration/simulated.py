@@ -1,14 +1,13 @@
 """Calibrations of simulated logs whose truth is known: is the posterior what it says it is?
 
-The truth of a log is drawn from what is believed before it, the machine and soil of that truth are
-driven, and the log is fitted by somebody who knows the belief alone. Then the place of the truth in
-the posterior, by logarithms,
+The truth of a log is drawn from the prior, the machine and soil of that truth are driven, and the
+log is fitted from the prior alone. Then the place of the truth in the posterior, by logarithms,
 
     z = (log truth - mean) / sd            rank = Phi(z)
 
 is standard normal, and the rank is uniform, over many logs (Talts et al. 2018, arXiv 1804.06788).
-A log that cannot be driven or is refused is left out. That leaves the ranks uniform, as it hangs on
-the log alone.
+A log that cannot be driven or is refused is left out. The ranks stay uniform, because this depends
+on the log alone.
 """
 
 from __future__ import annotations
@@ -50,7 +49,7 @@ DEPTHS_M = (0.15, 0.25)
 
 @dataclass(frozen=True)
 class Trial:
-    """What one log told of its truth."""
+    """The posterior of one log, beside its truth."""
 
     seed: int
     machine: str
@@ -94,7 +93,7 @@ def trial(seed: int, law: str = "brixius", fitted_law: str = "brixius") -> Trial
 
 
 def drawn_truth(machine: Machine, soil: Soil, generator: np.random.Generator) -> dict[str, float]:
-    """Values from what is believed of a machine and a soil, within the bounds of a fit."""
+    """Values drawn from the prior of a machine and a soil, within the bounds of a fit."""
     names = [n for n in DRAWN if can_fit(machine, n) and reads(soil, n)]
     mean, sd = np.array([(math.log(v), s) for v, s, _ in
                          (believed(machine, soil, n) for n in names)]).T  # fmt: skip
@@ -110,7 +109,7 @@ def driven(
 ) -> Scenario:
     """The drive of a truth: empty, then ploughing, on rough ground that varies.
 
-    What the driver chooses, and what sensors do, hangs on the belief, never on the truth.
+    What the driver chooses and the sensors do depends on the prior, never on the truth.
     """
     facts = machine_facts(machine)
     part = files.implement(files.usual_implement(machine) or usual_plough(facts))
@@ -139,7 +138,7 @@ def _fitted(scenario: Scenario, machine: str, law: str, folder: Path) -> Calibra
 
 @dataclass(frozen=True)
 class Told:
-    """What the trials say of one parameter."""
+    """Coverage and errors of one parameter over the trials."""
 
     name: str
     logs: int

@@ -25,7 +25,7 @@ class Calibrate(Output):
     """Find the machine and the soil that explain a recorded drive, and name what it leaves open."""
 
     log: Annotated[tuple[Path, ...], tyro.conf.Positional]
-    """The recorded drive, or the files it is in; or a TOML file of points at the take-off."""
+    """The recorded drive, or the files it is in; or a TOML file of points at the PTO."""
     map: Path | None = None
     """TOML file that gives the meaning and the unit of each column."""
     machine: str = ""
