@@ -46,7 +46,7 @@ PLOUGHING = Scenario(
 PLOUGHING_MORNING = replace(
     PLOUGHING,
     name="field-day-ploughing-morning",
-    about="the first minutes of field-day-ploughing: 100 m of road, two passes of 30 m, a stop",
+    about="the first minutes of field-day-ploughing: 100 m of road, two passes of 30 m, two stops",
     field=Field(roughness_class="C", patches=(_road(100.0, 2.5),)),
     course=Course(length_m=30.0, passes=2, road_m=100.0),
     events=(

@@ -1,12 +1,13 @@
 """The contract between sensors and estimators: named columns of samples, and a set-up. numpy only.
 
 Units: SI and radians. Frames: world is east, north, up; body is x forward, y left, z up with its
-origin at the rear-axle centre; angles are counter-clockwise from east. Times are int64 nanoseconds:
-`epoch_ns` is the instant a sample describes, `arrival_ns` when it reaches the estimator.
+origin at the rear-axle centre; headings are counter-clockwise from east.
+Times are int64 nanoseconds: `epoch_ns` is the instant a sample describes, `arrival_ns` when it
+reaches the estimator.
 A sensor, or a column of it, may be absent; a NaN is a value that was not measured. The arrays of
 `Streams` are read-only, because every estimator is handed the same ones: work on a `.copy()`.
 
-One module, because it is all that an estimator may import.
+One module: of the twin, an estimator may import only this one and `twin.compute.compiled`.
 """
 
 from __future__ import annotations

@@ -96,6 +96,15 @@ def test_a_part_put_back_leaves_the_others(machine, begin):
     assert fleet.batch.state[1].tobytes() != other.batch.state[1].tobytes()
 
 
+def test_drawn_patches_that_the_soil_cannot_have_are_left_out():
+    slippery = {"soil.friction": 0.05, "field.cross_slope_deg": 0.0}
+    for seed in range(20):
+        free, held = (grounds.draw(np.random.default_rng(seed), o, LEVEL) for o in ({}, slippery))
+        assert held.patches == ()
+        assert (held.origin_m, held.noise_seed) == (free.origin_m, free.noise_seed)
+    assert any(grounds.draw(np.random.default_rng(seed), {}, LEVEL).patches for seed in range(20))
+
+
 @pytest.mark.parametrize(
     "soil", [{}, {"soil.preset": "lete-sand", "soil.cone_index_kpa": 800.0, "soil.friction": 0.6}]
 )

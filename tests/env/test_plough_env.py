@@ -183,6 +183,11 @@ def test_an_impossible_action_is_named_and_changes_nothing(truth_env, action, sa
         ({"field.patches": 3}, BadInput, "field.patches = 3 is not a list"),
         ({"field.patches": [(1, 2)]}, BadInput, r"field.patches = \(1, 2\) is not 4 numbers"),
         ({"field.patches": [(1, 2, 9, 1)]}, OutOfRange, "patch.friction_factor = 9 is outside"),
+        (
+            {"soil.cone_index_kpa": 450, "field.patches": [(0, 10, 1, 0.1), (0, 5, 1, 4)]},
+            OutOfRange,
+            r"field.patches\[0\].cone_index_factor = 0.1 at 5.25 m",
+        ),
         ({"field.origin_m": 3}, BadInput, "field.origin_m = 3 is not 2 numbers"),
     ],
 )

@@ -16,6 +16,8 @@ from twin.physics.ground import (
     random_field,
     soil_at,
 )
+from twin.scenario import Patch
+from twin.scenario.field import factor_at
 from twin.terrain.grid import GridMap
 
 
@@ -221,6 +223,18 @@ def test_patches_multiply_the_soil_inside_and_blend_over_half_a_metre():
     assert at[9.9] == pytest.approx((0.88 * (1.0 - 0.3 * 0.5), 1300.0))
     assert at[10.2] == pytest.approx((0.88 * (1.0 - 0.9 * 0.5), 1900.0))
     assert there(level(), soil(), 12.0) == (0.88, 1000.0)
+
+
+def test_a_scenario_checks_the_factors_that_the_ground_has():
+    rows = ((10.0, 20.0, 0.5, 2.0), (20.0, 30.0, 2.0, 3.0), (15.0, 15.5, 0.8, 0.1))
+    patches = tuple(
+        Patch(start_m=s, length_m=e - s, friction_factor=f, cone_index_factor=c)
+        for s, e, f, c in rows
+    )
+    for s in np.linspace(9.0, 31.0, 221):
+        friction, cone_index = there(patched(*rows), soil(), s)
+        assert factor_at(patches, "friction_factor", s) == pytest.approx(friction / 0.88)
+        assert factor_at(patches, "cone_index_factor", s) == pytest.approx(cone_index / 1000.0)
 
 
 def test_the_strength_varies_by_its_coefficient_with_place():

@@ -163,6 +163,39 @@ def test_a_time_step_is_one_of_three_and_patches_are_four_at_most():
         Field(patches=patches)
 
 
+@pytest.mark.parametrize(
+    ("others", "place"),
+    [
+        ([(0.0, 5.0, 4.0)], "10 to the end"),
+        ([(5.0, 20.0, 4.0)], "the start to 5"),
+        ([(-5.0, 6.0, 4.0), (6.0, 9.0, 4.0)], "between two others"),
+        ([(0.0, 5.0, 4.0), (2.0, 9.0, 0.25)], "where a third begins"),
+    ],
+)
+def test_a_patch_that_ends_leaves_the_others_to_be_checked(others, place):
+    rows = [(0.0, 10.0, 0.1), *others]
+    patches = tuple(Patch(start_m=s, length_m=n, cone_index_factor=f) for s, n, f in rows)
+    with pytest.raises(OutOfRange, match=r"field\.patches\[[03]\].*soil\.cone_index_kpa = 450"):
+        Scenario(name=place, soil=Soil(preset="soft"), field=Field(patches=patches))
+    covered = (patches[0], replace(patches[0], start_m=-1.0, length_m=12.0, cone_index_factor=4.0))
+    Scenario(name="covered", soil=Soil(preset="soft"), field=Field(patches=covered))
+
+
+def test_patches_that_meet_multiply_in_the_ramps_between_them():
+    hard = Soil(preset="firm", cone_index_kpa=2400.0)
+    first = Patch(start_m=0.0, length_m=10.0, cone_index_factor=2.0)
+    Scenario(name="one", soil=hard, field=Field(patches=(first,)))
+    with pytest.raises(OutOfRange, match=r"cone_index_factor = 2\.25 at 10 m"):
+        Scenario(name="two", soil=hard, field=Field(patches=(first, replace(first, start_m=10.0))))
+
+
+def test_a_soil_at_the_end_of_its_range_may_have_a_patch_that_keeps_it_there():
+    softest = Soil(preset="soft", cone_index_kpa=50.0)
+    for start_m in (0.1, 7.3, 123.456):
+        patch = Patch(start_m=start_m, length_m=1.7, cone_index_factor=2.0)
+        Scenario(name="x", soil=softest, field=Field(patches=(patch,)))
+
+
 def test_patches_are_held_to_the_ranges_of_the_other_soil_where_there_is_some():
     soft = Soil(preset="soft", cone_index_kpa=60.0)
     patches = (Patch(start_m=0.0, length_m=10.0, cone_index_factor=0.5),)

@@ -1,7 +1,8 @@
 """What `twin bench --against DIR` measures: CPU time of this checkout over that of another.
 
-Each command runs in a process of its own, in turn in one checkout and in the other, because the
-speed of a computer changes with time. The CPU time is that of the process and of all it started.
+Each command runs in a process of its own, alternately in one checkout and in the other, because
+the speed of a computer changes with time. The CPU time is that of the process and of all it
+started. The case `step` compares ratios of wall times.
 """
 
 from __future__ import annotations

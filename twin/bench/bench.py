@@ -7,10 +7,7 @@ because the machine's other work only ever adds time.
 from __future__ import annotations
 
 import pickle
-import resource
 import statistics
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -21,6 +18,7 @@ from pathlib import Path
 import mujoco
 
 from twin import sensors
+from twin.bench.memory import peak_mb
 from twin.camera.tracking import ODOMETRY
 from twin.env import speed
 from twin.errors import BadInput
@@ -42,6 +40,12 @@ from twin.streams import Streams
 STRETCHES, STEPS = 60, 200
 MOST_DECISIONS = 3000
 """Decisions of the driver, a minute, within which a plough must be at its depth."""
+RUN = ("run", "plough-25cm", "--quiet", "--estimators", "ratio,four-state", "--out")
+COMMAND = """
+import sys
+from twin.cli import main
+assert main(sys.argv[1:]) == 0
+"""
 NO_SENSORS = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
 
 
@@ -154,13 +158,12 @@ def run_rows() -> Rows:
         recording = Path(folder) / "second" / runfolder.RECORDING
         recording_mb = recording.stat().st_size / 1e6
         recording_s = _recording_s(done, recording)
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    peak_mb = peak / (1e6 if sys.platform == "darwin" else 1e3)
+        own_mb = peak_mb(COMMAND, *RUN, str(Path(folder) / "third"))
     case, over = "plough-25cm, files written", wall_s / (wall_s - recording_s)
     return [
         row(case, "simulated time per wall time", simulated_s / wall_s, "1", low=30.0),
         row(case, "wall time", wall_s, "s"),
-        row(case, "peak memory", peak_mb, "MB", high=700.0),
+        row(case, "peak memory of the command", own_mb, "MB", high=700.0),
         row(case, "time with the recording over that without", over, "1", high=1.3),
         row(case, "recording, for 200 m of ploughing", recording_mb, "MB", high=25.0),
     ]
@@ -185,13 +188,12 @@ def _recording_s(done: Result, path: Path) -> float:
 
 CAMERA_RUN = "slope-9-dry"
 FRAME_MS = 15.0
-MEMORY_OF = """
-import resource, sys
+CAMERA_DRIVE = """
+import sys
 from twin.bench.bench import whole_frames
 from twin.simulation.build import build
 from twin.pipeline.run import sense
 sense(build(whole_frames(float(sys.argv[1]))), ("rl", "rr"), lambda *_: None)
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
 
 
@@ -215,7 +217,7 @@ def camera_rows() -> Rows:
     start = time.perf_counter()
     simulated_s = _sense(machine)
     wall_s = time.perf_counter() - start
-    short_mb, long_mb = (_peak_mb(calibration_m) for calibration_m in (0.0, 20.0))
+    short_mb, long_mb = (peak_mb(CAMERA_DRIVE, str(calibration_m)) for calibration_m in (0.0, 20.0))
     case = f"{CAMERA_RUN}, camera of 1280 x 800 at 30 frames/s"
     return [
         row(case, "simulated time per wall time", simulated_s / wall_s, "1", low=1.0),
@@ -248,10 +250,3 @@ def _odometry_ms() -> float:
         if len(table["epoch_ns"]):
             times.append(time.perf_counter() - start)
     return 1e3 * statistics.median(times)
-
-
-def _peak_mb(calibration_m: float) -> float:
-    """Most memory of a process of its own that drives the run [MB]."""
-    command = [sys.executable, "-c", MEMORY_OF, str(calibration_m)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    return float(done.stdout) / (1e6 if sys.platform == "darwin" else 1e3)

@@ -136,7 +136,8 @@ def fit(
         seed: of the random starts.
         starts: how many; the first is the prior's mean.
         told: called with what is being done.
-        remember: keeps the end of each start.
+        remember: given (key, find), returns what is stored under `key`, else what `find()` gives,
+            and stores it: the end of each start and of each round of the noise.
 
     Raises:
         NotFitted: no start gave finite residuals.

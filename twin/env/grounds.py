@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
@@ -11,8 +12,8 @@ from numpy.random import Generator
 
 from twin.errors import BadInput, OutOfRange, UnknownName, check_range
 from twin.scenario import Field, Patch, Soil
-from twin.scenario.field import MOST_PATCHES
-from twin.scenario.soils import PRESETS
+from twin.scenario.field import MOST_PATCHES, check_patches
+from twin.scenario.soils import PRESETS, Preset
 
 KINDS = ("firm", "tilled", "soft", "grass")
 """Presets an episode draws from, each as likely as the others."""
@@ -175,7 +176,8 @@ def check_options(options: Options | None, recipe: Recipe = PLOUGHED) -> Options
     Raises:
         UnknownName: an option or a preset there is not.
         BadInput: a value that is not of the option's kind.
-        OutOfRange: a number outside the range of the scenario's field of that name.
+        OutOfRange: a number outside the range of the scenario's field of that name, or patches
+            on which a soil that may be drawn would leave its range.
     """
     chosen = dict(options or {})
     for name, value in chosen.items():
@@ -200,7 +202,23 @@ def check_options(options: Options | None, recipe: Recipe = PLOUGHED) -> Options
     check_range("field.furrow_depth_m", chosen.get("field.furrow_depth_m", 0.05), 0.05, 0.35)
     for metres in chosen.get("field.origin_m", ()):
         check_range("field.origin_m", metres, -1e6, 1e6)
+    for where, soil in _drawable_soils(chosen, recipe):
+        check_patches(where, soil, chosen.get("field.patches", ()))
     return chosen
+
+
+def _drawable_soils(options: Options, recipe: Recipe) -> Iterator[tuple[str, Preset]]:
+    """The strongest and the weakest soil of each kind that may be drawn, and its option."""
+    heavier = recipe.heavier is not None
+    for prefix in ("soil.", OTHER) if heavier else ("soil.",):
+        given = _part(options, prefix)
+        kinds = (given["preset"],) if "preset" in given else recipe.presets
+        for kind, share in itertools.product(kinds, (0.0, 1.0)):
+            if kind not in PRESETS:
+                raise UnknownName("soil preset of an episode", kind, PRESETS)
+            shares = dict.fromkeys(recipe.spread, share)
+            own: Options = _own_numbers(PRESETS[kind], given, recipe.spread, shares)
+            yield prefix.removesuffix("."), replace(PRESETS[kind], **own)
 
 
 def draw(
@@ -211,15 +229,16 @@ def draw(
 ) -> Ground:
     """A ground: soil, shape, patches, origin; options take a drawn value's place.
 
-    The same number of draws is made whatever the options.
+    The same number of draws is made whatever the options. Drawn patches that would bring a soil out
+    of its range together are left out, the last first.
     """
     kind = recipe.presets[int(generator.integers(len(recipe.presets)))]
     preset = str(options.get("soil.preset", kind))
-    own_soil = _drawn_soil(generator, preset, _part(options, "soil."), recipe.spread)
+    own_soil: Options = _drawn_soil(generator, preset, _part(options, "soil."), recipe.spread)
     pattern_seed, noise_seed = generator.integers(2**31, size=2).tolist()
     shape = choices[int(generator.integers(len(choices)))]
     own = {name: value for name, value in _part(options, "field.").items() if name in SHAPE_FIELDS}
-    patches = _drawn_patches(generator, recipe)
+    drawn = _drawn_patches(generator, recipe)
     along, left = generator.random(2).tolist()
     origin_m = (
         _between((-FARTHEST_M, FARTHEST_M), along),
@@ -230,6 +249,9 @@ def draw(
         other_preset, spread = str(options.get(f"{OTHER}preset", preset)), dict(recipe.spread)
         spread["draft_scale"] = recipe.heavier
         other_own = _drawn_soil(generator, other_preset, _part(options, OTHER), spread)
+    soils = [replace(PRESETS[preset], **own_soil)]
+    if other_preset is not None:
+        soils.append(replace(PRESETS[other_preset], **other_own))
     return Ground(
         law=str(options.get("soil.law", recipe.law)),
         other_preset=other_preset,
@@ -237,7 +259,7 @@ def draw(
         preset=preset,
         own=own_soil,
         shape=replace(shape, **own) if own else shape,
-        patches=options.get("field.patches", patches),
+        patches=options["field.patches"] if "field.patches" in options else _had(soils, drawn),
         origin_m=options.get("field.origin_m", origin_m),
         pattern_seed=pattern_seed,
         noise_seed=noise_seed,
@@ -246,12 +268,23 @@ def draw(
 
 def _drawn_soil(
     generator: Generator, preset: str, own: Options, spread: Mapping[str, tuple[float, float]]
-) -> dict[str, float]:
+) -> Options:
     """A soil's own numbers, drawn around its preset's where they are not given."""
-    drawn, shares = {}, generator.random(len(SPREAD)).tolist()
-    for (name, within), share in zip(spread.items(), shares, strict=True):
-        drawn[name] = own.get(name, getattr(PRESETS[preset], name) * _between(within, share))
-    return drawn
+    shares = dict(zip(spread, generator.random(len(SPREAD)).tolist(), strict=True))
+    return _own_numbers(PRESETS[preset], own, spread, shares)
+
+
+def _own_numbers(
+    preset: Preset,
+    own: Options,
+    spread: Mapping[str, tuple[float, float]],
+    shares: Mapping[str, float],
+) -> Options:
+    """A soil's own numbers: those given, else the preset's times a factor of its range."""
+    return {
+        name: own.get(name, getattr(preset, name) * _between(within, shares[name]))
+        for name, within in spread.items()
+    }
 
 
 def _drawn_patches(generator: Generator, recipe: Recipe) -> tuple[Patch, ...]:
@@ -259,6 +292,16 @@ def _drawn_patches(generator: Generator, recipe: Recipe) -> tuple[Patch, ...]:
     count = int(generator.integers(most + 1))
     shares = generator.random((most, len(ranges))).tolist()
     return tuple(_patch([*map(_between, ranges, row)]) for row in shares[:count])
+
+
+def _had(soils: Sequence[Preset], patches: tuple[Patch, ...]) -> tuple[Patch, ...]:
+    """The first of some drawn patches, as many as the soils can have together."""
+    try:
+        for soil in soils:
+            check_patches("soil", soil, patches)
+    except OutOfRange:
+        return _had(soils, patches[:-1])
+    return patches
 
 
 def _between(within: tuple[float, float], share: float) -> float:

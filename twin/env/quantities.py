@@ -1,4 +1,7 @@
-"""What is true of each tractor at an instant, by the laws of `twin.truth.motion`.
+"""True speeds, slips, loads, forces and powers of each tractor at one instant.
+
+Speeds and slips follow the formulas of `twin.truth.motion`. The callback reports the
+slip of each wheel, loads, depth, draft, engine and torques.
 
 Tractor by tractor, so that one's numbers do not depend on how many stand beside it.
 """

@@ -36,9 +36,11 @@ LEAST_W = 10.0
 
 
 def pulled_law(part: Implement) -> Pulled:
-    """Draft of an implement at its least depth, by ASABE D497 with S in km/h.
+    """Coefficients of an implement's draft at its least depth, for v in m/s and F = 1.
 
-    D = F (A + B S + C S^2) W T
+        at_rest = A W T        per_mps = 3.6 B W T        per_mps2 = 3.6^2 C W T
+
+    Source: ASABE D497, D = F (A + B S + C S^2) W T with S in km/h, T in cm.
     """
     n = derive_implement(part)
     size = n["bodies"] * n["draft.width"] * 100.0 * n["depth_m.least"]

@@ -167,7 +167,8 @@ def arc_forces(
         j_x = r (theta_1 - theta - pace (sin(theta_1) - sin(theta)))
         j_y = r side (theta_1 - theta)
 
-    The slip's own share of the shear is that of j_x = r slip (sin(theta_1) - sin(theta)).
+    The slip's share of the shear is the same integral with
+    j_x = r slip (sin(theta_1) - sin(theta)).
 
     Args:
         soil, wheel: parts of the block.
@@ -342,15 +343,16 @@ def bekker(
 ) -> tuple[float, float, float, float, float]:
     """Shear at the patch, motion resistance at the hub, rolling moment on the wheel, sinkage.
 
-        F_x, F_y = the slip's own share of the arc's shear, and the bulldozing side force in F_y
+        F_x, F_y = shear whose displacement is the slip's alone; F_y has the bulldozing force too
         M_r = T / R - F_x           M_h = F_x - (net pull)
 
     so that axle torque, the integral of tau r dA, is (F_x + M_r) R and net pull, the integral of
-    (tau cos(theta) - sigma sin(theta)) dA, is F_x - M_h. The slip's share is zero without slip, odd
-    and against the slip; what a wheel shears by rolling alone is in M_r.
+    (tau cos(theta) - sigma sin(theta)) dA, is F_x - M_h. F_x is zero
+    without slip, odd in the slip, and has the slip's sign. `arc_forces` integrates that shear. What
+    a wheel shears by rolling alone is in M_r.
 
-    A skidding wheel (s < 0) turns by w r = (1 + s) v: its arc is another one, at another sinkage,
-    than that of the driven wheel whose share and bulldozing, turned round, are its F_x and F_y.
+    A skidding wheel (s < 0) has minus the F_x of a driven wheel at |s|, and the shear in F_y of
+    that wheel. Its torque, net pull and sinkage are those of its own arc, where w r = (1 + s) v.
 
     Args:
         soil, wheel: parameter blocks (Soil, Wheel).

@@ -38,7 +38,8 @@ def brixius(
 
     so that gross traction is (F_x + M_r) / N, net traction (F_x - M_h) / N: c0 is in both of
     the source's ratios, therefore as a moment on the wheel and not as a pull. k, c0 and m are the
-    soil's for a bias tyre; a radial one changes them, to 9.5 / 7.5, 0.0325 / 0.04 and 0.9 of them.
+    soil's for a bias tyre. A radial tyre multiplies k by 9.5 / 7.5, c0 by 0.0325 / 0.04, m by 0.9.
+    kappa is the tyre's lateral over its longitudinal slip stiffness.
 
     Args:
         soil, wheel: parameter blocks (Soil, Wheel).

@@ -12,6 +12,7 @@ import numpy as np
 from twin.compute.compiled import inlined_law, law
 from twin.physics.block import Field, Grid, Soil
 from twin.physics.shapes import Array, Vector
+from twin.scenario.field import BLEND_M
 
 _MIX_X, _MIX_Y, _MIX_SEED = (
     np.uint64(0x9E3779B97F4A7C15),
@@ -25,8 +26,6 @@ EDGE_M = 0.1
 """Width over which the wall of the furrow falls to its bottom [m]."""
 SLICE_SIDE_M = 0.3
 """Width over which the turned slice rises from the furrow's bottom [m]; assumed."""
-BLEND_M = 0.5
-"""Length over which one patch of soil passes into the next [m]: about that of a contact."""
 STRENGTH_LENGTH_M = 3.0
 """Distance between independent values of the soil's strength [m]; assumed."""
 STRENGTH, RIPPLE, ROCKS = 101, 202, 303

@@ -1,7 +1,8 @@
 """What of a scenario a run would not read, and its refusal: a knob turns something or says so.
 
-`RULES` says of each field that is not always read what it needs; a field in no rule is always read.
-A scenario of signals says it of its own by a method `unread() -> {field: what it needs}`.
+`RULES` has the condition of each field that is only sometimes read. Patches and faults have
+functions of their own. All other fields are always read. A scenario that has only signals, and no
+machine, has a method of its own: `unread() -> {field: what it needs}`.
 """
 
 from __future__ import annotations

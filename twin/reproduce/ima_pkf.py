@@ -59,10 +59,13 @@ def rows(trials: int = 30, jobs: int = 1) -> Rows:
 
 
 def floor(case: str, trials: list[Trial]) -> Row:
-    """The least slip RMSE of a causal filter that takes no jerk for granted, in closed form.
+    """The least slip RMSE of a causal filter without a model of how acceleration changes.
 
     P_v = sigma_v sigma_a dt,  P_w = sigma_w sigma_aw dt
-    var s = (v / w^2)^2 P_w + (1 / w)^2 P_v, averaged over the true tracks
+    var s = (v / w^2)^2 P_w + (1 / w)^2 P_v
+
+    v, w: ground and wheel speed [m/s]. var s is averaged over each true track; the result is the
+    mean of the tracks' roots.
 
     Source: Riccati equation of a speed measured beside its noisy derivative, dt -> 0; sigma_v is
     that of both ground speeds together.

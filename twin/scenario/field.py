@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -12,6 +13,8 @@ from twin.scenario.soils import Preset
 ROUGHNESS = {"smooth": 0.0, **{c: 16e-6 * 4.0**i for i, c in enumerate("ABCDEF")}}
 """G_d(n0) at n0 = 0.1 cycles/m [m3]: geometric means of ISO 8608's classes."""
 MOST_PATCHES = 4
+BLEND_M = 0.5
+"""Length over which one patch of soil passes into the next [m]: about that of a contact."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,8 +97,29 @@ class Field:
         check_range("field.other_length_m", self.other_length_m, 1.0, 100.0)
 
 
+def factor_at(patches: tuple[Patch, ...], kind: str, s_m: float) -> float:
+    """Product of the patches' factors at a place along the course, as `physics.ground` has it.
+
+    Each edge is a ramp of length `BLEND_M` with its middle at the edge.
+
+    Args:
+        patches: those of a ground.
+        kind: "friction_factor" or "cone_index_factor".
+        s_m: place along the course [m].
+    """
+    return float(math.prod(1.0 + _share(p, s_m) * (getattr(p, kind) - 1.0) for p in patches))
+
+
+def _share(patch: Patch, s_m: float) -> float:
+    """How much of a patch's factor acts at a place [-]: 1 inside, 0 outside."""
+    inside_m = min(s_m - patch.start_m, patch.start_m + patch.length_m - s_m)
+    return min(1.0, max(0.0, inside_m / BLEND_M + 0.5))
+
+
 def check_patches(where: str, soil: Preset, patches: tuple[Patch, ...]) -> None:
     """Refuse patches on which a soil would leave the ranges it is held to elsewhere.
+
+    The places looked at are each edge, and the ends of its ramp: there the patches that act change.
 
     Args:
         where: the soil's field in a scenario.
@@ -103,19 +127,21 @@ def check_patches(where: str, soil: Preset, patches: tuple[Patch, ...]) -> None:
         patches: those of the ground it lies on.
 
     Raises:
-        OutOfRange: friction or cone index of the soil times the factors of a patch, and of those
-            that overlap it.
+        OutOfRange: friction or cone index of the soil times the factors of all patches at a place.
+            It names the patch there whose factor is furthest from 1.
     """
-    factors = {"friction": FRICTIONS, "cone_index_kpa": CONE_INDICES_KPA}
-    for i, patch in enumerate(patches):
-        here = [p for p in patches if p.start_m <= patch.start_m < p.start_m + p.length_m]
-        for name, (low, high) in factors.items():
-            kind = f"{name.removesuffix('_kpa')}_factor"
-            factor = math.prod(getattr(p, kind) for p in here)
-            value = getattr(soil, name) * factor
-            if not (math.isnan(value) or low <= value <= high):
-                raise OutOfRange(
-                    f"field.patches[{i}].{kind}", f"{factor:g}",
-                    f"what {where}.{name} = {getattr(soil, name):g} allows: times the factor it is "
-                    f"{value:g}, and [{low:g}, {high:g}] would do",
-                )  # fmt: skip
+    edges_m = (edge for p in patches for edge in (p.start_m, p.start_m + p.length_m))
+    ramp_m = (-0.5 * BLEND_M, 0.0, 0.5 * BLEND_M)
+    places_m = sorted({edge + step for edge in edges_m for step in ramp_m})
+    ranges = {"friction": FRICTIONS, "cone_index_kpa": CONE_INDICES_KPA}
+    for s_m, (name, (low, high)) in itertools.product(places_m, ranges.items()):
+        kind = f"{name.removesuffix('_kpa')}_factor"
+        factor = round(factor_at(patches, kind, s_m), 9)  # 1 at the end of a ramp, to the bit
+        value = getattr(soil, name) * factor
+        if not (math.isnan(value) or low <= value <= high):
+            sizes = [abs(math.log(getattr(p, kind))) * _share(p, s_m) for p in patches]
+            raise OutOfRange(
+                f"field.patches[{sizes.index(max(sizes))}].{kind}", f"{factor:g} at {s_m:g} m",
+                f"what {where}.{name} = {getattr(soil, name):g} allows: times the factor it is "
+                f"{value:g}, and [{low:g}, {high:g}] would do",
+            )  # fmt: skip

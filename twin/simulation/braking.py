@@ -1,6 +1,6 @@
 """The brake pedal: pressed where the ground drives the machine faster than the governor asks.
 
-There is one gear for a run, so a driver who would shift down brakes instead.
+By default a run has one gear: the driver brakes and does not shift down.
 """
 
 from __future__ import annotations

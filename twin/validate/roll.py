@@ -84,14 +84,15 @@ def roll_mode() -> list[Check]:
 
 
 def closed_form(machine: Machine, body: Statics) -> Mode:
-    """Sway y and roll f of a rigid body on springs.
+    """The slower mode of sway y and roll phi of a rigid body on springs.
 
-        2 U = K_r (y + h f)**2 + K_f (y + (h - p) f)**2 + (k_f - W_r h - W_f (h - p)) f**2
-        k_f = k t**2 / 2 + k b**2 / 6        2 T = m y'**2 + I f'**2
+        2 U = K_r (y + h phi)**2 + K_f (y + (h - p) phi)**2 + (k_phi - W_r h - W_f (h - p)) phi**2
+        k_phi = k t**2 / 2 + k b**2 / 6        2 T = m y'**2 + I phi'**2
 
-    K side springs of the rear and of the front tyres, k spring of one rear tyre, t track, b width
-    of its tread, h height of the centre of gravity and p of the pivot of the front axle, through
-    which its tyres push; W loads of the axles.
+    y: sway of the centre of gravity. m, I: mass, and roll inertia about the centre of gravity.
+    K_r, K_f: lateral stiffness of both rear, both front tyres. W_r, W_f: loads of the axles.
+    k: vertical stiffness of one rear tyre. t: track. b: width of a rear tyre's tread.
+    h: height of the centre of gravity. p: height of the front axle's pivot, where its tyres push.
     """
     model = machine.model
     front, rear = (machine_tyre(machine.scenario.machine, axle) for axle in ("front", "rear"))

@@ -44,9 +44,10 @@ class Ground:
 
 
 def worked(moments: Table, scenario: Thing, ground: Ground) -> list[tuple[Cut, Pass]]:
-    """The passes with a plough: the furrow that is there before each, and its way in the ground.
+    """Each pass with a plough: the open furrow before it, and the tractor's track while it ploughs.
 
-    The first furrow was there; the others are what each pass left for the next.
+    A pass ploughs where the plough is deeper than 5 cm, and leaves the furrow of the next pass. The
+    first furrow exists only if the plough has a furrow side.
     """
     plough, bodies = getattr(scenario, "plough", None), ground.bodies
     if plough is None or bodies is None:

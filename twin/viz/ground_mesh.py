@@ -182,10 +182,11 @@ def _soil_colours(scenario: Thing, ground: Ground, s: Array, t: Array) -> Array:
     mixture = ground.maps.get("mixture")
     if mixture is not None:
         colour = _blend(colour, OTHER, mixture.at(s, t))
+    friction = np.ones(s.shape)
     for patch in getattr(getattr(scenario, "field", None), "patches", ()):
         inside = (s >= patch.start_m) & (s <= patch.start_m + patch.length_m)
-        colour = _blend(colour, WET, inside * float(patch.friction_factor < 1.0))
-    return colour
+        friction = np.where(inside, friction * patch.friction_factor, friction)
+    return _blend(colour, WET, friction < 1.0)
 
 
 def _blend(colour: Array, other: tuple[int, int, int], share: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Values of each kind of NMEA sentence, by the names of its fields.
+"""Reads each kind of NMEA sentence: finds its fields by name, gives values in the log's units.
 
 Layouts that `pynmeagps` does not know are named here: PANDA and PAOGI of AgOpenGPS boards, KSXT and
 HPR of Unicore and ComNav receivers, after their makers' manuals.
