@@ -157,7 +157,7 @@ def test_the_sources_of_compiled_code_are_closed_under_imports() -> None:
 def test_an_edit_of_the_edge_recompiles_nothing() -> None:
     core = re.compile(
         r"estimators/|twin/(physics|camera|compute|plugins|scenario|sensors|trajectory)/|"
-        r"twin/(simulation/(quiet|braking|controls|decision|driver|records)|truth/motion|"
+        r"twin/(simulation/(quiet|braking|controls|decision|driver|finite|records)|truth/motion|"
         r"env/(control_step|gearbox|judging|levers|quantities|reward|towing|traction_drive)|machine/(fuel|hitch)|\w+)\.py"
     )
     read = {str(f.relative_to(ROOT)) for file in COMPILING for f in compiled.sources(file)}

@@ -102,7 +102,7 @@ except gymnasium.error.DependencyNotInstalled:
     raise SystemExit(77)
 begin = time.perf_counter()
 for _ in range(25):
-    env.step(np.zeros(2))
+    env.step(np.zeros(env.action_space.shape))
 assert time.perf_counter() - begin > 0.4, "faster than the tractor's own time"
 window, picture = env.screen, np.zeros((480, 640, 3), np.uint8)
 whole = mujoco.MjrRect(0, 0, 640, 480)

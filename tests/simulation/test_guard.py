@@ -18,7 +18,8 @@ from twin.physics import block
 from twin.physics.block import Soil, Wheel
 from twin.scenario import Field, Patch
 from twin.simulation.build import build
-from twin.simulation.guard import FAILURE_FILE, STATES_FILE, Diverged, StateRing, all_finite, replay
+from twin.simulation.finite import all_finite
+from twin.simulation.guard import FAILURE_FILE, STATES_FILE, Diverged, StateRing, replay
 from twin.simulation.simulate import simulate
 from twin.simulation.simulation import DECISION_S, Simulation
 

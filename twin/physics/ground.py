@@ -12,7 +12,7 @@ import numpy as np
 from twin.compute.compiled import inlined_law, law
 from twin.physics.block import Field, Grid, Soil
 from twin.physics.shapes import Array, Vector
-from twin.scenario.field import BLEND_M
+from twin.scenario.soils import BLEND_M
 
 _MIX_X, _MIX_Y, _MIX_SEED = (
     np.uint64(0x9E3779B97F4A7C15),

@@ -8,13 +8,11 @@ from dataclasses import dataclass
 
 from twin.errors import BadInput, OutOfRange, UnknownName, check_range
 from twin.scenario.soil import CONE_INDICES_KPA, FRICTIONS, Soil
-from twin.scenario.soils import Preset
+from twin.scenario.soils import BLEND_M, Preset
 
 ROUGHNESS = {"smooth": 0.0, **{c: 16e-6 * 4.0**i for i, c in enumerate("ABCDEF")}}
 """G_d(n0) at n0 = 0.1 cycles/m [m3]: geometric means of ISO 8608's classes."""
 MOST_PATCHES = 4
-BLEND_M = 0.5
-"""Length over which one patch of soil passes into the next [m]: about that of a contact."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 LAWS = ("brixius", "bekker")
 """Soil laws by name, in the order of their numbers in the parameter block."""
+BLEND_M = 0.5
+"""Length over which one patch of soil passes into the next [m]: about that of a contact."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,8 @@ from twin.machine.start import Settled, raised_rad
 from twin.physics import block
 from twin.physics.block import WheelSlot
 from twin.scenario import Scenario
-from twin.simulation.guard import KEPT_S, STATE, StateRing, all_finite, diverged
+from twin.simulation.finite import all_finite
+from twin.simulation.guard import KEPT_S, STATE, StateRing, diverged
 from twin.simulation.quiet import quiet
 
 Array = NDArray[np.float64]

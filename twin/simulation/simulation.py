@@ -18,7 +18,8 @@ from twin.simulation.columns import RECORDED, Record
 from twin.simulation.course_task import course_task, drivetrain
 from twin.simulation.decision import CONTROLS, decide, observe
 from twin.simulation.driver import DriverState, DriverTask, Observation
-from twin.simulation.guard import KEPT_S, StateRing, all_finite, all_well, diverged
+from twin.simulation.finite import all_finite, all_well
+from twin.simulation.guard import KEPT_S, StateRing, diverged
 from twin.simulation.records import Records, records
 from twin.truth.motion import DrivenAxle, Wheels, driven_axle
 
