@@ -82,6 +82,9 @@ def take_wheels(
     yawing(signal, dt, jump, nominal, memory)
     front_turn_mps = nominal.wheelbase_m * memory.yaw_rate
     path_ratio, _ = motion.front_path(memory.x[V], front_turn_mps)
+    for i in range(2):  # steered wheels that are driven go a longer way than the rear axle
+        if nominal.driven[i]:
+            wheels[i] /= path_ratio
     across = memory.yaw_rate * nominal.track_front_m / path_ratio  # along the steered wheels
     memory.lifted = in_the_air(wheels, memory.difference_mps[1] - across, memory.lifted, nominal)
     if memory.lifted:
@@ -119,7 +122,8 @@ def take_wheels(
     _take_front(age, tau, spans, front, front_var, front_turn_mps, h, tuning, memory)
     _take_rear(age, tau, spans, rear, rear_var, dt, h, tuning, memory)
     _take_accel(signal, dt, h, memory)
-    unloaded.take_plough(slow, dt, h, memory)
+    rear_share = 1.0 - max(nominal.driven[0], nominal.driven[1])
+    unloaded.take_plough(slow, dt, h, rear_share, memory)
     if slow[PLOUGH] != 1.0:
         load.take_expected(slow, dt, h, tuning, memory)
     memory.wheels_ns = signal.epoch_ns

@@ -36,8 +36,9 @@ UNLOADED_SLIP_PSD, RAISED_S = 4e-8, 20.0
 """Density of the walk of `UNLOADED_SLIP` [1/s], and the time over which the torque without load is
 averaged [s]: sqrt(sd^2 2 tau / walk), so that slip and torque are those of the same ground."""
 CARRIED, CARRIED_SD = 0.009, 0.0035
-"""Error of the driven wheels' radius while they carry the plough, whose load their nominal radius
-does not know, and its sd [-]; 0.5 to 1.5 % for the twin's machines."""
+"""Error of the rear wheels' radius while they carry the plough, whose load their nominal radius
+does not know, and its sd [-]; 0.5 to 1.5 % for the twin's machines. Where the front wheels are
+driven, too, the mean radius of all four stays, as the load comes off them."""
 MOVED, MOVED_SD, REAR_SHARE = 0.006, 0.002, 0.4
 """Change of both axles' radii as the plough goes down, and its sd [-]: load moves from the rear
 wheels to the front ones, 0.1 to 1 % for the twin's machines; and by how much more the rear radius
@@ -50,6 +51,9 @@ ELSEWHERE_SD = 0.003
 """sd by which `UNLOADED_SLIP` is another one where the plough is raised again."""
 WORK_S = 5.0
 """Time over which torque and slip at work are averaged, and after which they are used [s]."""
+STRAIGHT_PM = 0.04
+"""In a narrower curve than of 25 m driven front wheels scrub: nothing is learnt of four wheels
+there [1/m]."""
 OWN_TORQUE, MOST_TORQUE = 0.04, 0.88
 """Torque that rolls a driven wheel itself, and the most that the slip adds on firm soil, over load
 times radius (Brixius 1987)."""
@@ -59,17 +63,20 @@ twin's machines; sd of what the law then gives, and its sd over that."""
 
 
 @array_law
-def take_plough(slow: Array, dt: float, h: Array, memory: Record) -> None:
+def take_plough(slow: Array, dt: float, h: Array, rear_share: float, memory: Record) -> None:
     """Take what the depth sensor and the axle's torque tell at a sample of the wheels.
 
     Args:
         slow: what slower sensors said, `held.Held.values`.
         dt: time since the last sample of the wheels [s].
         h: room for a row, (SIZE,).
+        rear_share: how far the driven wheels are the rear ones: 1, or 0 where all are driven.
         memory: record, changed.
     """
     raised, torque = slow[PLOUGH], slow[TORQUE]
-    steady = abs(memory.x[V]) > 0.5 and abs(memory.x[A]) < 0.3 and 0.0 < dt < 1.0
+    steady = memory.x[V] > 0.5 and abs(memory.x[A]) < 0.3 and 0.0 < dt < 1.0
+    if rear_share < 1.0 and abs(memory.yaw_rate) > STRAIGHT_PM * memory.x[V]:
+        steady = False
     before = memory.plough
     if raised == 1.0:
         memory.plough = 1
@@ -77,21 +84,21 @@ def take_plough(slow: Array, dt: float, h: Array, memory: Record) -> None:
         if before != 1:
             memory.raised_s = memory.work_s = 0.0
         if before == -1:
-            _move_load(-1.0, memory)
+            _move_load(-1.0, rear_share, memory)
             memory.p[UNLOADED_SLIP, UNLOADED_SLIP] += ELSEWHERE_SD**2
         elif before == 0:
-            memory.x[RADIUS] += CARRIED
+            memory.x[RADIUS] += rear_share * CARRIED
             memory.p[RADIUS, RADIUS] += CARRIED_SD**2
         if steady:
             _no_load(torque, dt, h, memory)
     elif raised == 0.0:
         memory.plough = -1
         if before == 1:
-            _move_load(1.0, memory)
+            _move_load(1.0, rear_share, memory)
             memory.p[TRACTION, TRACTION] += AGAIN_SD**2 if memory.lowered else NEW_SD**2
             memory.lowered = 1
         elif before == 0:
-            memory.x[RADIUS] += CARRIED - MOVED
+            memory.x[RADIUS] += rear_share * (CARRIED - MOVED)
             memory.p[RADIUS, RADIUS] += CARRIED_SD**2
         if steady and memory.lowered:
             _at_work(torque, dt, h, memory)
@@ -147,10 +154,10 @@ def _at_work(torque: float, dt: float, h: Array, memory: Record) -> None:
 
 
 @array_law
-def _move_load(down: float, memory: Record) -> None:
+def _move_load(down: float, rear_share: float, memory: Record) -> None:
     """What the wheels carry moves from rear to front as the plough goes down: so do their radii."""
     memory.towed_before = memory.x[TOWED]
-    memory.x[RADIUS] -= down * MOVED
+    memory.x[RADIUS] -= down * rear_share * MOVED
     memory.x[TOWED] += down * MOVED
     memory.p[RADIUS, RADIUS] += MOVED_SD**2
     memory.p[TOWED, TOWED] += MOVED_SD**2

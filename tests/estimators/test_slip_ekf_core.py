@@ -495,7 +495,7 @@ def test_the_zero_condition_counts_by_time_and_not_by_sample(hz):
         slow = np.full(HELD, np.nan)
         slow[PLOUGH] = 1.0
         for _ in range(hz):
-            take_plough(slow, 1.0 / hz, h, memory)
+            take_plough(slow, 1.0 / hz, h, 1.0, memory)
         return memory["p"][V, V] + memory["p"][W, W] - 2.0 * memory["p"][V, W]
 
     assert known(hz) == pytest.approx(known(50), rel=0.01)
@@ -511,7 +511,7 @@ def ploughed(torque_raised, torque_at_work, slip):
         slow[PLOUGH], slow[TORQUE] = raised, torque
         memory["x"][V] = 2.0 * (1.0 - s)
         for _ in range(50 * for_s):
-            take_plough(slow, 0.02, h, memory)
+            take_plough(slow, 0.02, h, 1.0, memory)
     return memory
 
 
@@ -536,7 +536,7 @@ def test_towed_wheels_that_change_less_tell_that_the_driven_ones_do(towed):
     for raised in (1.0, *[0.0] * 400):
         slow[PLOUGH] = raised
         memory["x"][A] = 1.0 if raised else 0.0
-        take_plough(slow, 0.02, h, memory)
+        take_plough(slow, 0.02, h, 1.0, memory)
         memory["x"][TOWED] = 0.0
     assert memory["x"][RADIUS] == pytest.approx(
         CARRIED - MOVED + (REAR_SHARE * MOVED if towed else 0.0)
@@ -549,12 +549,22 @@ def test_the_plough_s_load_changes_both_radii_and_changes_them_back():
     found = []
     for raised in (1.0, 0.0, 1.0):
         slow[PLOUGH] = raised
-        take_plough(slow, 0.02, h, memory)
+        take_plough(slow, 0.02, h, 1.0, memory)
         found.append(memory["x"][[RADIUS, TOWED]].copy())
     assert found[0] == pytest.approx([CARRIED, 0.0])
     assert found[1] == pytest.approx([CARRIED - MOVED, MOVED])
     assert found[2] == pytest.approx(found[0])
     assert memory["p"][RADIUS, RADIUS] == pytest.approx(1e-3 + CARRIED_SD**2 + 2.0 * MOVED_SD**2)
+
+
+def test_the_mean_radius_of_four_driven_wheels_stays_as_the_load_moves():
+    memory, h, slow = at_speed(), np.zeros(SIZE), np.full(HELD, np.nan)
+    memory["x"][A] = 1.0  # not steady: nothing else is learnt
+    for raised in (1.0, 0.0, 1.0):
+        slow[PLOUGH] = raised
+        take_plough(slow, 0.02, h, 0.0, memory)
+        assert memory["x"][RADIUS] == 0.0
+    assert memory["p"][RADIUS, RADIUS] > CARRIED_SD**2
 
 
 @pytest.mark.parametrize("slip", [-0.6, -0.1, 0.0, 0.15, 0.39, 0.41, 0.8])
