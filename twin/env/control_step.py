@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from twin.compute.compiled import law
 from twin.simulation.decision import decide, observe
+from twin.simulation.finite import well
 from twin.simulation.records import Records
 
 Array = NDArray[np.float64]
@@ -73,9 +74,7 @@ def moved(
     state: Array, warned: NDArray[np.int64], velocity: Array, standing_s: Array, dt_s: float,
     slow_mps: float,
 ) -> bool:  # fmt: skip
-    """Whether all states are finite and MuJoCo gave no warning; counts how long each has stood.
-
-    It returns at the first warning, and standing times of later tractors are then not counted.
+    """Whether all went `well`; if so, counts how long each has stood.
 
     Args:
         state: the machines' states (nsim, nstate).
@@ -85,17 +84,13 @@ def moved(
         dt_s: the interval [s].
         slow_mps: below this speed in space a tractor stands [m/s].
     """
-    squares = 0.0
+    if not well(state, warned):
+        return False
     for i in range(state.shape[0]):
-        for k in range(state.shape[1]):
-            squares += state[i, k] * state[i, k]
-        for k in range(warned.shape[1]):
-            if warned[i, k]:
-                return False
         x, y, z = velocity[0, i], velocity[1, i], velocity[2, i]
         slow = math.sqrt(x * x + y * y + z * z) < slow_mps
         standing_s[i] = standing_s[i] + dt_s if slow else 0.0
-    return math.isfinite(squares)
+    return True
 
 
 @law

@@ -279,10 +279,12 @@ def _laden(model: mujoco.MjModel, numbers: dict[str, float], filled_kg: float) -
     tyre = {f: _number(numbers, f"tyre_rear.{f}") for f in (
         "nominal_load_n", "nominal_rolling_radius_m", "relaxation_long_m", "shear_damping_s",
     )}  # fmt: skip
-    dt_s, inertia = float(model.opt.timestep), float(model.body("rl_wheel").inertia.max())
     more_n = tyre["nominal_load_n"] * filled_kg / float(model.body_mass.sum())
-    held = (dt_s + tyre["shear_damping_s"]) * dt_s / (tyre["relaxation_long_m"] * inertia)
-    return 6.6 * more_n * tyre["nominal_rolling_radius_m"] ** 2 * held
+    return _stiffness(model, {
+        Coupling.CAPACITY_NM: 6.6 * more_n * tyre["nominal_rolling_radius_m"] ** 2,
+        Coupling.WINDUP_RAD: tyre["relaxation_long_m"],
+        Coupling.DAMPING_S: tyre["shear_damping_s"],
+    })  # fmt: skip
 
 
 def _plough(model: mujoco.MjModel, numbers: dict[str, float], law: str) -> Part:

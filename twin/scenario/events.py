@@ -207,8 +207,7 @@ class Event:
 
 def most_filled_kg(events: tuple[Event, ...]) -> float:
     """The most that all tanks together take in above what they hold at the start [kg]."""
-    filled_kg = itertools.accumulate(event.mass_kg or 0.0 for event in events)
-    return max(0.0, *filled_kg, 0.0)
+    return max(itertools.accumulate((event.mass_kg or 0.0 for event in events), initial=0.0))
 
 
 def check_order(events: tuple[Event, ...]) -> None:

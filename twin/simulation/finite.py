@@ -25,13 +25,12 @@ def all_finite(values: Array) -> bool:
 
 
 @law
-def all_well(state: Array, warned: NDArray[np.int64], slots: Array) -> bool:
-    """Whether MuJoCo has not warned, and no number is such that `all_finite` denies it.
+def well(state: Array, warned: NDArray[np.int64]) -> bool:
+    """Whether MuJoCo has not warned, and no number of the states is one that `all_finite` denies.
 
     Args:
         state: of the machines (nsim, nstate).
         warned: how often MuJoCo warned (nsim, kinds).
-        slots: recorded after each step (nsim, steps, nuserdata).
     """
     squares, warnings = 0.0, 0
     for i in range(state.shape[0]):
@@ -39,7 +38,15 @@ def all_well(state: Array, warned: NDArray[np.int64], slots: Array) -> bool:
             squares += state[i, k] * state[i, k]
         for k in range(warned.shape[1]):
             warnings += warned[i, k]
+    return warnings == 0 and math.isfinite(squares)
+
+
+@law
+def all_well(state: Array, warned: NDArray[np.int64], slots: Array) -> bool:
+    """The same of the states and of the slots recorded after each step (nsim, steps, nuserdata)."""
+    squares = 0.0
+    for i in range(slots.shape[0]):
         for j in range(slots.shape[1]):
             for k in range(slots.shape[2]):
                 squares += slots[i, j, k] * slots[i, j, k]
-    return warnings == 0 and math.isfinite(squares)
+    return well(state, warned) and math.isfinite(squares)

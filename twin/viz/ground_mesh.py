@@ -92,11 +92,11 @@ def reaching(found: Furrows, ground: Ground, low_m: float, high_m: float) -> Nea
     if ground.bodies is None:
         return {}
     wide_m = 1.0 + ground.bodies.open_m + ground.bodies.count * ground.bodies.width_m
+    reach_m = [max(wide_m, cut.ploughed_m) for cut, _ in found]
     return {
-        k: (cut, way)
-        for k, (cut, way) in enumerate(found)
-        if low_m - max(wide_m, cut.ploughed_m) < cut.wall_m
-        and cut.wall_m < high_m + max(wide_m, cut.ploughed_m)
+        k: each
+        for k, each in enumerate(found)
+        if low_m - reach_m[k] < each[0].wall_m < high_m + reach_m[k]
     }
 
 
