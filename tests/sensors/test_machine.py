@@ -35,6 +35,14 @@ def test_transducers_have_their_noise_and_scale():
     assert table["axle_torque_nm"].std() == pytest.approx(30, rel=0.1)
 
 
+def test_engine_speed_is_noisy_while_the_engine_turns():
+    turning = drive(300, step_ns=100_000_000)
+    noisy, ideal = (collect(machine, bus, [turning])["engine_radps"] for bus in (Bus(), IDEAL))
+    assert (noisy - ideal).std() == pytest.approx(0.8 * np.pi / 30, rel=0.1)
+    standing = drive(2, engine_radps=np.zeros(1001))
+    assert np.all(collect(machine, Bus(), [standing])["engine_radps"] == 0.0)
+
+
 def test_bad_values_are_named():
     with pytest.raises(OutOfRange, match=r"machine\.rate_hz = 0 is outside"):
         Bus(rate_hz=0)

@@ -53,6 +53,9 @@ class Bus:
     """Noise of the draft pin, N; about 0.2 % of its range."""
     axle_torque_sd_nm: Annotated[float, Range(0, 1e4)] = 30.0
     """Noise of the axle torque transducer, N m."""
+    engine_sd_radps: Annotated[float, Range(0, 10)] = 0.084
+    """Noise of the engine speed while the engine turns, rad/s: 0.8 rpm, measured on the bus of a
+    John Deere 5055E at an even 1228 rpm without load (github.com/TractorHacking/CAN-data)."""
     steer_bias_rad: Annotated[float, Range(-0.2, 0.2)] = 0.0
     """True zero error of the steering angle sensor, rad."""
     draft_pin_scale_error: Annotated[float, Range(-0.2, 0.2)] = 0.0
@@ -71,6 +74,7 @@ class BusState:
     steer: Generator
     draft: Generator
     torque: Generator
+    engine: Generator
     latency: Generator
 
 
@@ -82,6 +86,7 @@ def init(config: Bus, seed: int, start_ns: int) -> BusState:
         steer=generator(seed, "machine", "steer"),
         draft=generator(seed, "machine", "draft"),
         torque=generator(seed, "machine", "torque"),
+        engine=generator(seed, "machine", "engine"),
         latency=generator(seed, "machine", "latency"),
     )
 
@@ -103,6 +108,7 @@ def sample(config: Bus, state: BusState, chunk: Trajectory) -> tuple[BusState, T
 
     hitch_m       = lower_link sin(hitch_rad)
     engine_load   = engine torque / reference torque, in [0, 1.25]
+    engine_radps  = max(0, speed + noise) while the engine turns, 0 while it stands
     """
     position, epoch_ns, at = read(state.reader, chunk, COLUMNS)
     if not len(epoch_ns):
@@ -111,12 +117,15 @@ def sample(config: Bus, state: BusState, chunk: Trajectory) -> tuple[BusState, T
     steer = config.steer_bias_rad + config.steer_sd_rad * state.steer.standard_normal(count)
     draft = config.draft_pin_sd_n * state.draft.standard_normal(count)
     torque = config.axle_torque_sd_nm * state.torque.standard_normal(count)
+    engine = config.engine_sd_radps * state.engine.standard_normal(count)
     scatter = np.abs(state.latency.standard_normal(count))
     delay_s = config.latency_s + config.latency_jitter_s * scatter
     last_ns, arrival_ns = arrivals(state.arrival_ns, epoch_ns, delay_s)
     pin_n = at["draft_n"] * (1.0 + config.draft_pin_scale_error)
     load = np.clip(at["engine_torque_nm"] / config.reference_torque_nm, 0.0, 1.25)
     hitch_m = config.lower_link_m * np.sin(at["hitch_rad"])
+    turning_radps = at["engine_radps"]
+    engine_radps = np.where(turning_radps > 0.0, np.maximum(turning_radps + engine, 0.0), 0.0)
     table: Table = {
         "epoch_ns": epoch_ns,
         "arrival_ns": arrival_ns,
@@ -124,7 +133,7 @@ def sample(config: Bus, state: BusState, chunk: Trajectory) -> tuple[BusState, T
         "hitch_m": _rounded(hitch_m, HITCH_STEP * config.lower_link_m),
         "draft_pin_n": _rounded(pin_n + draft, DRAFT_STEP_N),
         "axle_torque_nm": _rounded(at["axle_torque_nm"] + torque, TORQUE_STEP_NM),
-        "engine_radps": _rounded(at["engine_radps"], ENGINE_STEP_RADPS),
+        "engine_radps": _rounded(engine_radps, ENGINE_STEP_RADPS),
         "engine_load": _rounded(load, LOAD_STEP),
         "fuel_lph": _rounded(at["fuel_lph"], FUEL_STEP_LPH),
     }
