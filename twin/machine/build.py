@@ -44,24 +44,24 @@ class Machine:
     model: mujoco.MjModel
     """mujoco.MjModel with the parameter block."""
     numbers: dict[str, float]
-    """The models' own <numeric> values by name."""
+    """Values of the <numeric> elements of the machine's and the implement's MJCF, by name."""
     world_from_ground: Array
     """Rotation from the ground plane's frame to the world. Shape (3, 3)."""
     hitch: Hitch | None
     """None where there is no linkage."""
     work_rad: float
-    """Lower-link angle that puts the plough at its depth under a tractor that does not squat."""
+    """Lower-link angle at which the plough has its depth, if the tyres sink no further [rad]."""
     setting: Setting | None
-    """How the hitch is set; None without a plough."""
+    """Lever and depth-wheel setting of the plough; None without a plough."""
     start_qpos: Array
     """At the start of the course, the plough carried. Shape (nq,)."""
     start_act: Array
-    """Activations there: what the tyres have wound up. Shape (na,)."""
+    """Activations at the start of the course, with the deflections of the tyres. Shape (na,)."""
     start_speed_mps: float
     start_load_n: Array
-    """Load of each wheel there. Shape (4,)."""
+    """Load of each wheel at the start of the course, in the order of block.WHEELS. Shape (4,)."""
     maps: dict[str, GridMap]
-    """Heights and shares of another soil, where the ground has them."""
+    """Maps of the ground, if any: `heights` [m] and `mixture`, the share of the other soil."""
 
     @property
     def throttle(self) -> float:
@@ -80,15 +80,15 @@ def assemble(
 ) -> Machine:
     """Compile the machine of a scenario, put it at the start of its course, and install the laws.
 
-    Wheel contact is switched off, because the callback takes over; everything else stays native.
-    What is only looked at is left out, as it would nearly double the time of a step.
+    MuJoCo's contact of the wheels is switched off, because the callback computes their forces.
+    Visual geometry is left out, as it would nearly double the time of a step.
 
     Args:
-        scenario: what is assembled.
-        looks: keep what is only looked at.
-        setting: how the hitch is set; None for what the geometry asks for.
-        find: makes the operator's setting of what the geometry asks for, where none is given.
-        dress: adds to the specification what only the eye wants; for a machine that is looked at.
+        scenario: names machine, implement, ground and course.
+        looks: keep the visual geometry.
+        setting: lever and depth-wheel setting of the plough; None for `by_geometry`.
+        find: where `setting` is None, computes the setting from that of `by_geometry`.
+        dress: adds visual geometry to the specification before it is compiled.
     """
     install()
     spec, numbers = joined(scenario.machine_file, scenario.implement_file)

@@ -12,9 +12,9 @@ from twin.vehicle.machine import Machine
 def as_mjcf(machine: Machine, part: Implement | None = None) -> str:
     """The MJCF of a machine with its implement, on level ground.
 
-    It has the documented numerics, so the twin reads it as a machine, `--machine OUT.xml`, where it
-    was exported without an implement. The meshes of a hand-made MJCF are written by their
-    absolute paths.
+    It has the documented numerics, so `--machine OUT.xml` reads it, if it was exported without an
+    implement. The meshes of a hand-made MJCF have absolute paths. `part` is the implement, None
+    for none.
     """
     spec, _ = joined(machine, part)
     spec.compiler.degree = False

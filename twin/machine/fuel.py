@@ -16,35 +16,34 @@ Array = NDArray[np.float64]
 Number = TypeVar("Number", float, Array)
 
 MOST_REDUCED = 0.5
-"""Reduction of the engine speed beyond which the law is not carried on [-]."""
+"""Greatest reduction of the engine speed that the law uses [-]."""
 
 
 def fuel_lph(
     numbers: Mapping[str, float], crank_power_w: ArrayLike, rate_radps: ArrayLike
 ) -> Array:
-    """Fuel rate by power and speed of the engine, of any shape, elementwise [L/h].
+    """Fuel rate from power and speed of the engine, elementwise for arrays of any shape [L/h].
 
         Q = (0.22 X + 0.096) (1 + 0.0045 X N - 0.00877 N) P
 
-    with the rated PTO power P = eta_pto T_r w_r in kW, the share X of it in use and the reduction N
-    of the engine speed from the rated one in %:
+    with the rated power P = eta_pto T_r w_r in kW at the power take-off (PTO), the share X of it in
+    use and the reduction N of the engine speed from the rated speed in %:
 
         X = crank power / (T_r w_r)        N = 100 clip(1 - w / w_r, 0, 0.5)
 
-    The PTO's drive takes the same share 1 - eta_pto of all powers, so that X is the crank's too.
-    Above rated speed, on the governor's line of full throttle, N is 0. Below half of it, as at
-    idle, N stays 50: there the law leaves its data, and fuel falls no further, which is more than
-    an idling engine takes.
+    The PTO's drive loses the share 1 - eta_pto of any power, so X is the same at the crankshaft.
+    Above rated speed N is 0. Below half of it, as at idle, N stays 50, because the law has no data
+    there; it then gives more than an idling engine takes.
 
-    Where the fuel of this engine at rated power was measured, Q is scaled to it.
-
-    An engine that gives no power is dead or driven, its fuel shut off: Q = 0. So is a motor's.
+    Where the fuel of this engine at rated power was measured, Q is scaled to it. Q = 0 for an
+    electric motor, and where the engine gives no power (it is dead, or driven with its fuel shut
+    off).
 
     Args:
-        numbers: the machine's own, with `engine.rated_torque_nm`, `engine.rated_rpm`,
-            `engine.kind` and, of a diesel, `engine.pto_efficiency`.
+        numbers: the machine's numbers, with `engine.rated_torque_nm`, `engine.rated_rpm`,
+            `engine.kind` and, for a diesel, `engine.pto_efficiency`; `engine.fuel_ratio` scales Q.
         crank_power_w: torque times speed of the engine.
-        rate_radps: speed of the engine.
+        rate_radps: w, speed of the engine.
 
     Source: ASABE D497.7 after Grisso, Kocher and Vaughan 2004, Appl. Eng. Agric. 20(5):553. The
     printed page was not seen. The constants are from memory; one transcription of the standard has
@@ -60,7 +59,10 @@ def fuel_lph(
 
 
 def d497_lph(x: Number, n: Number, pto_kw: float) -> Number:
-    """The law itself, (0.22 X + 0.096) (1 + 0.0045 X N - 0.00877 N) P, of numbers or arrays."""
+    """Fuel rate (0.22 X + 0.096) (1 + 0.0045 X N - 0.00877 N) P [L/h], of numbers or arrays.
+
+    `x`, `n` and `pto_kw` are X, N [%] and P of `fuel_lph`.
+    """
     return (0.22 * x + 0.096) * (1.0 + 0.0045 * x * n - 0.00877 * n) * pto_kw
 
 
@@ -68,18 +70,18 @@ inlined_d497_lph = inlined_law(d497_lph)
 
 
 class Rated(NamedTuple):
-    """What the law needs to know of an engine."""
+    """Rated power and speed of an engine, for `engine_fuel_lph`."""
 
     power_w: float
-    """T_r w_r; 0 of a motor, which burns nothing."""
+    """T_r w_r; 0 for an electric motor, which burns nothing."""
     radps: float
     """w_r."""
     pto_kw: float
-    """P, and more or less of it where the engine's own fuel at rated power was measured."""
+    """P, times measured over computed fuel at rated power where it was measured."""
 
 
 def rated(numbers: Mapping[str, float]) -> Rated:
-    """What the law needs, from a machine's own numbers."""
+    """The rated values of a machine's engine; `numbers` as for `fuel_lph`."""
     if numbers["engine.kind"] == ELECTRIC:
         return Rated(0.0, 0.0, 0.0)
     radps = numbers["engine.rated_rpm"] * math.pi / 30.0
@@ -90,7 +92,7 @@ def rated(numbers: Mapping[str, float]) -> Rated:
 
 @law
 def engine_fuel_lph(engine: Rated, power_w: float, radps: float) -> float:
-    """`fuel_lph` of one engine."""
+    """`fuel_lph` of one engine for one crank power and speed, compiled [L/h]."""
     if engine.power_w == 0.0 or not power_w > 0.0:
         return 0.0
     x = max(power_w / engine.power_w, 0.0)

@@ -1,4 +1,4 @@
-"""What a tape measure and the manual say of a machine."""
+"""Nominal dimensions of a machine, as a tape measure and the manual give them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ ORIGIN = (36.17, 117.16, 130.0)
 
 
 def geometry(machine: Machine) -> Geometry:
-    """Nominal dimensions of a machine, for its set-up."""
+    """Nominal dimensions of a machine, which estimators get in the set-up of a run."""
     model, numbers = machine.model, machine.numbers
     sites = {}
     for name in ("gnss_main", "gnss_aux", "imu", "cg"):

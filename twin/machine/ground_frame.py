@@ -1,6 +1,6 @@
 """The ground plane's frame: x along the course, y to its left, z normal.
 
-A rotation of the world's.
+Its origin is the world's; only the axes are rotated.
 """
 
 from __future__ import annotations
@@ -16,7 +16,10 @@ Array = NDArray[np.float64]
 
 
 def world_from_ground(field: Field, course: Course) -> Array:
-    """Rotation matrix R_z(heading) R_y(-grade) R_x(cross slope). Shape (3, 3)."""
+    """Matrix that rotates ground axes to world axes, R_z(heading) R_y(-grade) R_x(cross slope).
+
+    Shape (3, 3).
+    """
     heading = math.radians(course.heading_deg)
     grade = math.radians(field.grade_deg)
     cross = math.radians(field.cross_slope_deg)

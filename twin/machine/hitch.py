@@ -6,14 +6,15 @@ import math
 from dataclasses import dataclass
 
 FLOAT_RAD = -0.4
-"""Command below any working position: the lift, which only lifts, carries nothing."""
+"""Lower-link angle [rad] commanded for floating: so low that the lift carries nothing."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Hitch:
-    """Points of the linkage in the x-z plane.
+    """Points of the three-point linkage in the vertical x-z plane, as (x, z).
 
-    Tractor points from the rear axle, mast from the plough.
+    Tractor points are measured from the rear axle's centre. Angles of the lower links are 0 where
+    the links are level and positive where their rear ends are higher.
     """
 
     lower_front: tuple[float, float]
@@ -25,7 +26,7 @@ class Hitch:
     """Top-link pin on the plough, from its lower hitch points [m]."""
 
     def hitch_point(self, lift_rad: float) -> tuple[float, float]:
-        """Rear end of the lower links, from the rear axle [m]."""
+        """Rear end (x, z) of the lower links from the rear axle [m], at a link angle."""
         return (
             self.lower_front[0] - self.lower_length_m * math.cos(lift_rad),
             self.lower_front[1] + self.lower_length_m * math.sin(lift_rad),
@@ -34,7 +35,7 @@ class Hitch:
     def plough_point(
         self, lift_rad: float, top_length_m: float, point: tuple[float, float]
     ) -> tuple[float, float]:
-        """A point of the plough, from the rear axle; `point` from its lower hitch points [m]."""
+        """A point of the plough from the rear axle [m]; `point` is given from its hitch points."""
         angle = lift_rad + self.pitch_rad_at(lift_rad, top_length_m)
         x, z = self.hitch_point(lift_rad)
         return (
@@ -43,7 +44,7 @@ class Hitch:
         )
 
     def top_length_m(self, lift_rad: float, pitch_rad: float) -> float:
-        """Length of the top link; `pitch_rad` is the plough's angle on the lower links."""
+        """Length of the top link; `pitch_rad` is the plough's pitch less the angle of the links."""
         angle = lift_rad + pitch_rad
         x, z = self.hitch_point(lift_rad)
         x += self.mast[0] * math.cos(angle) + self.mast[1] * math.sin(angle)
@@ -51,12 +52,16 @@ class Hitch:
         return math.hypot(x - self.top_front[0], z - self.top_front[1])
 
     def lift_rad_at(self, hitch_height_m: float, axle_height_m: float) -> float:
-        """Lower-link angle that puts the hitch points at a height above the ground."""
+        """Lower-link angle at which the links' rear ends are `hitch_height_m` above the ground.
+
+        `axle_height_m` is the height of the rear axle's centre above the ground. A height out of
+        reach gives -pi/2 or pi/2.
+        """
         rise = hitch_height_m - axle_height_m - self.lower_front[1]
         return math.asin(max(-1.0, min(1.0, rise / self.lower_length_m)))
 
     def pitch_rad_at(self, lift_rad: float, top_length_m: float) -> float:
-        """Plough angle at which the top link has a given length (bisection)."""
+        """The `pitch_rad` of `top_length_m` at which the top link has this length (bisection)."""
         low, high = -lift_rad - 0.7, -lift_rad + 0.7
         for _ in range(60):
             middle = 0.5 * (low + high)

@@ -1,4 +1,4 @@
-"""A machine with its implement as one specification: hand-made or made, attached at build."""
+"""A machine with its implement as one MuJoCo specification, from hand-made or generated MJCF."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ from twin.vehicle.machine import Machine
 from twin.vehicle.numerics import PREFIX, implement_numbers, machine_facts, own_numerics
 
 TOP_LINK_NPM, TOP_LINK_NSPM = 20e6, 200e3
-"""A steel tube with the give of its pins and mounts, before an implement of 1470 kg; as stiff in
-proportion before a lighter one, which a step resolves."""
+"""Stiffness and damping of the top link for an implement of 1470 kg: a steel tube with the
+elasticity of its pins and mounts. Both are scaled with the mass for a lighter implement, so that a
+step can resolve it."""
 FULL_KG = 1470.0
 
 
 def joined(
     machine: Machine, part: Implement | None = None
 ) -> tuple[mujoco.MjSpec, dict[str, float]]:
-    """mujoco.MjSpec of a machine with its implement, on no ground; and its numerics by name.
+    """mujoco.MjSpec of a machine with its implement, without ground; and its numerics by name.
 
     Raises:
         BadInput: a MJCF cannot be read, has no place for an implement, or carries one already.

@@ -1,6 +1,6 @@
-"""What a made machine looks like: bonnet, cab, mudguards and wheels in its own proportions.
+"""Visual geometry of a generated machine: bonnet, cab, mudguards and wheels in its proportions.
 
-Weightless, and touches nothing. Lengths are shares of the wheelbase along, of the rear track across
+It has no mass and no contacts. Lengths are shares of the wheelbase along, of the rear track across
 and of the rear tyre's radius up, so a small tractor is drawn small.
 """
 
@@ -24,7 +24,7 @@ COLOURS = {
     "antenna": (0.96, 0.96, 0.96, 1.0), "weight": (0.20, 0.21, 0.22, 1.0),
 }  # fmt: skip
 PAINTS = ((0.12, 0.38, 0.16), (0.62, 0.10, 0.06), (0.10, 0.22, 0.50), (0.78, 0.42, 0.08))
-"""Colours of bonnets; which one follows from the name."""
+"""Colours of bonnets (red, green, blue); the machine's name decides which one is used."""
 BOX, CYLINDER, CAPSULE = (
     mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_CYLINDER, mujoco.mjtGeom.mjGEOM_CAPSULE
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""What the laws remember from step to step: activations of one actuator, by name."""
+"""State of the laws from step to step: activations of one actuator, by name."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import mujoco
 from twin.physics import block
 
 ACTUATOR = "laws"
-"""The actuator that holds them; it has no gain and moves nothing."""
+"""The actuator that has these activations; it has no gain and moves nothing."""
 
 
 def names(shares: int) -> tuple[str, ...]:
-    """Names of the activations in their order.
+    """Names of the activations in their order, for an implement of so many shares.
 
     Deflection of each tyre along and across [m] and its contact's slip [-], wind-up of each
-    coupling [-], and how far each share has pressed the soil ahead and towards the land [m].
+    coupling [-], and compression of the soil before each share, ahead and towards the land [m].
     """
     return (
         *(f"{w}_{what}_{axis}" for w in block.WHEELS for what in ("tyre", "slip") for axis in "xy"),
@@ -24,13 +24,13 @@ def names(shares: int) -> tuple[str, ...]:
 
 
 def address(model: mujoco.MjModel, name: str) -> int:
-    """Place of an activation in mjData.act, whether there are shares or not."""
+    """Index in mjData.act of the activation `name`."""
     first = int(model.actuator_actadr[model.actuator(ACTUATOR).id])
     return first + names(block.MOST_SHARES).index(name)
 
 
 def name_of(model: mujoco.MjModel, k: int) -> str:
-    """What an activation is called, by its place in mjData.act."""
+    """Name of the activation with index `k` in mjData.act."""
     for i in range(model.nu):
         first, count = int(model.actuator_actadr[i]), int(model.actuator_actnum[i])
         if first <= k < first + count:

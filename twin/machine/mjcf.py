@@ -1,7 +1,7 @@
 """The MJCF of a machine from the numbers of its file, made with mjSpec.
 
 Bodies, joints, sites, actuators, sensors and numerics have the names that a hand-made MJCF has
-(models/taishan_1404a), so the loader knows no difference.
+(models/taishan_1404a), so the loader treats both alike.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from twin.vehicle.machine import Machine
 from twin.vehicle.numerics import machine_numerics
 
 UPRIGHT = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0]
-"""Turns a cylinder's axis from up to across."""
+"""Quaternion that turns a cylinder's axis from z to y."""
 BODY_BOX = (3.55, 1.20, 1.31)
-"""Box with the body's inertia [m]; of a wheelbase of 2.55, a track of 1.80 and 1.755 m tyres."""
+"""Box with the body's inertia [m], for a wheelbase of 2.55 m, a track of 1.80 m, 1.755 m tyres."""
 SENSORS: tuple[tuple[str, str, str, str], ...] = (
     ("actuatorfrc", "steer_left_nm", "actuator", "steer_left"),
     ("actuatorfrc", "steer_right_nm", "actuator", "steer_right"),
@@ -49,11 +49,11 @@ LINKAGE_SENSORS = (
     ("jointpos", "hitch_rad", "joint", "lift"),
 )
 IDLE = ("throttle", "clutch_pedal", "brake", "differential_lock", "front_drive")
-"""Actuators without gain: the loader's laws read them."""
+"""Actuators without gain: only the laws of `twin.physics` read their controls."""
 
 
 def machine_spec(machine: Machine) -> mujoco.MjSpec:
-    """mujoco.MjSpec of a machine without implement, on no ground."""
+    """mujoco.MjSpec of a machine without implement and without ground."""
     n = derive(machine)
     spec = mujoco.MjSpec()
     spec.modelname = machine.name

@@ -1,4 +1,4 @@
-"""The numbers of the laws: from the model's own and the scenario's to the parameter block."""
+"""The parameter block of the laws, from the model's <numeric> values and the scenario."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ from twin.terrain.place import first_envelope, grid_part
 Array = NDArray[np.float64]
 
 FURROW_AHEAD_M, FURROW_RAMP_M = 2.0, 3.0
-"""The last furrow begins so far before the plough is lowered, and takes so long to its depth."""
+"""Distance before the plough's lowering at which the last furrow begins; length to its depth."""
 ENDLESS_M = 1e9
-"""Where a furrow ends that the run does not leave."""
+"""End of a furrow that is longer than the run."""
 STEADY, LEAST_STEADY = 0.85, 0.2
 """Most that brake and clutch together may change the speed of a wheel in one step, over that speed,
 and what is left for the brake in any case [-]: above 2 they overshoot more each time and hold
 nothing, and the tyre's spring acts too. Where a brake is stiffer, its wind-up is longer."""
 MAPS = {"heights": Field.HEIGHTS, "mixture": Field.MIXTURE}
-"""Height fields of the model that the laws read, and where the block says how they lie."""
+"""Height fields of the model that the laws read -> index of their `Grid` in the block."""
 CONTROLS = {"clutch": "clutch_pedal", "lock": "differential_lock", "front_drive": "front_drive"}
 
 
@@ -47,7 +47,15 @@ def parameter_block(
     rotation: Array,
     maps: Mapping[str, GridMap],
 ) -> Array:
-    """The parameter block of twin.physics.block; `maps` by the names of their height fields."""
+    """The parameter block of `twin.physics.block`. Shape (block.SIZE,).
+
+    Args:
+        scenario: soil, field, course, gear and plough.
+        model: the compiled model, for addresses and masses.
+        numbers: <numeric> values of the machine and its implement by name.
+        rotation: ground axes to world axes, (3, 3).
+        maps: the ground's maps by the names of their height fields.
+    """
     out = np.zeros(block.SIZE)
     head = {
         Head.MAGIC: block.MAGIC,
@@ -84,13 +92,13 @@ def parameter_block(
 
 
 def wheel_radii_m(numbers: dict[str, float]) -> tuple[float, ...]:
-    """Radii of what rolls on the ground, in the order of `twin.physics.block.Envelope`."""
+    """Radii of front, rear and depth wheels, in the order of `twin.physics.block.Envelope`."""
     radii = [0.5 * numbers[f"tyre_{axle}.diameter_m"] for axle in ("front", "rear")]
     return (*radii, numbers.get("plough.depth_wheel.radius_m", radii[0]))
 
 
 def soil_part(soil: Ground) -> Part:
-    """The block's numbers of a soil."""
+    """The block's numbers (`block.Soil`) of a soil, without those that the soil does not have."""
     preset = soil.resolved
     return {
         Soil.LAW: law_number(soil.law),
@@ -115,9 +123,10 @@ def soil_part(soil: Ground) -> Part:
 
 
 def soils(scenario: Scenario) -> tuple[Part, Part]:
-    """The block's numbers of the soil and of the other soil, each completed by the other's.
+    """The block's numbers of the main soil and of the other soil.
 
-    Where they meet their numbers are mixed; one that was never measured takes no part in it.
+    A number that one of them does not have is taken from the other, so that mixing the soils where
+    they meet does not change it.
     """
     own, other = soil_part(scenario.soil), soil_part(scenario.field.other_soil)
     for lacking, giving in ((own, dict(other)), (other, dict(own))):
@@ -174,10 +183,11 @@ def field_part(scenario: Scenario, numbers: dict[str, float], rotation: Array) -
 
 
 def furrow_edge_m(numbers: dict[str, float], depth_m: float) -> float:
-    """|t| of the furrow's wall, where the leaning rear tyre's flank just touches it.
+    """Distance |t| of the furrow's wall from the line, where the rear tyre's flank just touches it.
 
-    e cos(rho) - r sin(rho)     rho = asin(depth / track), r the tyre's radius
-    e is the inner flank of a tyre that stands upright
+    e cos(rho) - r sin(rho)     rho = asin(depth / track), the roll of the tractor in the furrow
+
+    e is |y| of the inner flank of the upright tyre, r the tyre's radius.
     """
     upright_m, sine = (
         numbers["furrow.edge_m"],

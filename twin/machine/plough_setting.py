@@ -1,4 +1,4 @@
-"""How the operator sets the plough: top link, lever, depth wheel, and upright in the furrow."""
+"""How the operator sets the plough: top link, lever, depth wheel, and roll on the links."""
 
 from __future__ import annotations
 
@@ -22,45 +22,47 @@ SWING_RAD = 1e-4
 
 @dataclass(frozen=True)
 class Setting:
-    """What the operator leaves lever and depth wheel at."""
+    """The operator's setting of the lever and the depth wheel."""
 
     lever_rad: float
-    """Angle of the lower links in work."""
+    """Angle of the lower links in work [rad]; 0 is level."""
     lowest_rad: float
-    """Angle below which the lift does not lower."""
+    """Lowest angle to which the lift lowers [rad]."""
     draft_n: float
-    """Draft that is expected in work."""
+    """Expected draft in work [N]."""
     sag_m: float
-    """How far the depth wheel is pressed in where the shares are level at their depth; below 0 it
-    is clear of the ground."""
+    """Deflection of the depth wheel's tyre where the plough is level at its depth; negative: its
+    clearance from the ground."""
 
 
 @dataclass(frozen=True)
 class Mounted:
-    """A plough on its linkage before it is set, in the plane of the links."""
+    """A plough on its linkage, for `by_geometry`; points are (x, z) in the vertical plane."""
 
     plough: Plough
     numbers: dict[str, float]
+    """<numeric> values of the machine and its implement by name."""
     hitch: Hitch
     axle_height_m: float
-    """Of the rear axle's middle above the unploughed ground, in work."""
+    """Height of the rear axle's centre above the unploughed ground, in work."""
     weight_n: float
     points: dict[str, tuple[float, float]]
-    """Centre of mass, resultant of the soil's forces and hub of the depth wheel, from the hitch."""
+    """`mass`: centre of mass; `resultant`: point where the soil's force acts; `hub` of the depth
+    wheel. From the plough's lower hitch points [m]."""
     draft_n: float
-    """Draft that is expected at 5.5 km/h."""
+    """Expected draft at 5.5 km/h and the set depth."""
     deepest_m: float
-    """Depth at which draft and mix lower no further."""
+    """Greatest depth to which the hitch modes `draft` and `mix` lower the plough."""
 
     @property
     def work_rad(self) -> float:
-        """Lower-link angle that puts the level plough at its depth where nothing squats."""
+        """Lower-link angle at which the level plough has its depth, if the tyres do not sink."""
         sole_m = self.numbers["plough.sole_below_hitch_m"]
         return self.hitch.lift_rad_at(sole_m - self.plough.depth_m, self.axle_height_m)
 
     @property
     def top_length_m(self) -> float:
-        """Length of the top link that levels it there."""
+        """Length of the top link with which the plough is level at `work_rad`."""
         return self.hitch.top_length_m(self.work_rad, -self.work_rad)
 
     @property
@@ -69,7 +71,7 @@ class Mounted:
         return self.numbers["plough.vertical_ratio"] * self.draft_n
 
     def place(self, lift_rad: float, name: str) -> tuple[float, float]:
-        """Where one of its points is at an angle of the lower links, from the rear axle."""
+        """Position (x, z) from the rear axle [m] of the point `name` at a lower-link angle."""
         return self.hitch.plough_point(lift_rad, self.top_length_m, self.points[name])
 
 
@@ -96,7 +98,11 @@ def mounted(
     axle_height_m: float,
     deepest_m: float,
 ) -> Mounted:
-    """The plough of a compiled model; `draft_scale` is what the operator expects."""
+    """The plough of a compiled model, before it is set.
+
+    `draft_scale` is the soil factor F of ASABE D497 that the operator expects; the other arguments
+    are as the fields of `Mounted`.
+    """
     sites = [model.site(i) for i in range(model.nsite)]
     shares_m = np.mean([s.pos for s in sites if s.name.startswith("plough.share_")], axis=0)
     above_sole_m = (1.0 - numbers["plough.force_depth_ratio"]) * plough.depth_m
@@ -113,7 +119,7 @@ def mounted(
 
 
 def by_geometry(here: Mounted) -> Setting:
-    """What the linkage and the expected forces ask for where the tractor does not squat or sink."""
+    """Setting from the linkage's geometry and the expected forces, if the tyres sink no further."""
     plough = here.plough
     lowest_rad = FLOAT_RAD
     if plough.mix > 0.0:
@@ -129,7 +135,7 @@ def by_geometry(here: Mounted) -> Setting:
 
 
 def set_plough(model: mujoco.MjModel, here: Mounted, setting: Setting) -> None:
-    """Set top link and depth wheel of a compiled model."""
+    """Set the length of the top link and the height of the depth wheel in a compiled model."""
     numbers = here.numbers
     model.tendon_lengthspring[model.tendon("top_link").id] = here.top_length_m
     ground_m = here.plough.depth_m - numbers["plough.sole_below_hitch_m"]
@@ -166,7 +172,7 @@ def _deeper_rad(here: Mounted, deeper_m: float) -> float:
 
 
 def expected_draft_n(numbers: dict[str, float], depth_m: float, draft_scale: float) -> float:
-    """Draft the operator expects at 5.5 km/h (ASABE D497)."""
+    """Draft of the whole implement that the operator expects at 5.5 km/h, by ASABE D497 [N]."""
     law = np.zeros(Block.SIZE)
     for f in (Block.DRAFT_A, Block.DRAFT_B, Block.DRAFT_C, Block.FACTOR_MEDIUM,
               Block.FACTOR_COARSE):  # fmt: skip

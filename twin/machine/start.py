@@ -1,4 +1,4 @@
-"""The start of a run: standing at the start of the course, the plough carried."""
+"""The start of a run: at rest at the start of the course, the plough lifted."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from twin.terrain.grid import GridMap
 Array = NDArray[np.float64]
 
 RAISED_RAD = 0.6
-"""Lower-link angle without a plough, and with one that is carried unless its limit is another."""
+"""Angle of the lower links without a plough [rad]."""
 
 
 def raised_rad(scenario: Scenario) -> float:
-    """Lower-link angle at which the machine of a scenario carries its plough."""
+    """Lower-link angle at which the plough of a scenario is lifted [rad]."""
     return RAISED_RAD if scenario.plough is None else scenario.plough.upper_limit_rad
 
 
 def unloaded_speed_mps(scenario: Scenario, numbers: dict[str, float]) -> float:
-    """Speed at which the governed engine just carries its own losses."""
+    """Speed without slip at which the engine's governor only balances its parasitic torque."""
     gear = scenario.gear
     droop = numbers["engine.droop_rpm_per_nm"] * numbers["engine.no_load_rpm"] / gear.set_rpm
     rpm = gear.set_rpm - 2.5 * droop * numbers["engine.parasitic_nm"]
@@ -37,7 +37,7 @@ def unloaded_speed_mps(scenario: Scenario, numbers: dict[str, float]) -> float:
 
 @dataclass(frozen=True)
 class Settled:
-    """A machine at rest on its tyres."""
+    """State of a machine at rest on its tyres."""
 
     qpos: Array
     """Shape (nq,)."""
@@ -48,7 +48,7 @@ class Settled:
 
 
 def unsettled(model: mujoco.MjModel, qpos: Array) -> Settled:
-    """The machine where it was put: no tyre is wound up, and no load is known."""
+    """The state `qpos` with all activations 0 and unknown wheel loads (NaN)."""
     return Settled(qpos, np.zeros(model.na), np.full(len(block.WHEELS), np.nan))
 
 
@@ -60,7 +60,16 @@ def standing(
     work_rad: float,
     heights: GridMap | None,
 ) -> Array:
-    """Standing on the ground at the start of the course, the plough carried. Shape (nq,)."""
+    """qpos of a machine at the start of the course, with the plough lifted. Shape (nq,).
+
+    Args:
+        model: the compiled model.
+        scenario: its course and plough.
+        rotation: ground axes to world axes, (3, 3).
+        hitch: the linkage; None without one.
+        work_rad: lower-link angle in work.
+        heights: heights of the ground; None on a plane.
+    """
     qpos = model.qpos0.copy()
     start_m, left_m = 0.0 - scenario.course.road_m, scenario.course.start_left_m
     upright, raised_m = rotation, 0.0

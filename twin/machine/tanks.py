@@ -9,21 +9,24 @@ from twin.scenario import Event
 from twin.scenario.events import most_filled_kg
 
 LEAST_KG = 1e-3
-"""Mass of an empty one: what the tractor weighs is in its file already."""
+"""Mass of an empty tank: the tractor's mass in its file includes it."""
 GYRATION_M2 = (0.08, 0.02, 0.08)
-"""Squared radii of gyration about the body's axes: of a tank 0.9 m wide; assumed."""
+"""Squared radii of gyration of a tank's content about its axes, for a tank 0.9 m wide; assumed."""
 PAYLOAD_SHARE = 0.6
-"""Most that tanks take in over what the machine weighs: permissible total masses of tractors are
-1.5 to 1.8 times the unladen mass; assumed."""
+"""Greatest mass filled in, over the machine's mass: permissible total masses of tractors are 1.5 to
+1.8 times the unladen mass; assumed."""
 
 
 def body_of(tank: str) -> str:
-    """Name of the body that a tank's content is: fuel under the cab, seed and water in front."""
+    """Name of the MuJoCo body of a tank's content; seed and water share the one in front."""
     return "tank.fuel" if tank == "fuel" else "tank.front"
 
 
 def fit_tanks(spec: mujoco.MjSpec, events: tuple[Event, ...], numbers: dict[str, float]) -> None:
-    """Add the tanks that events change: fuel before the rear axle, the others before the front."""
+    """Add the tanks that events fill or empty: fuel ahead of the rear axle, others at the front.
+
+    `numbers` are the <numeric> values of the machine by name.
+    """
     wheelbase_m = float(spec.body("front_axle").pos[0])
     front_m = numbers.get("front_ballast.x_m", wheelbase_m)
     places = {"tank.fuel": (0.35 * wheelbase_m, 0.0), "tank.front": (front_m, 0.3)}
@@ -36,7 +39,7 @@ def fit_tanks(spec: mujoco.MjSpec, events: tuple[Event, ...], numbers: dict[str,
 
 
 def refuse_overload(model: mujoco.MjModel, events: tuple[Event, ...]) -> None:
-    """Refuse events that fill in more than a machine carries. Raises BadInput."""
+    """Raise BadInput if events fill in more than PAYLOAD_SHARE of the machine's mass."""
     own_kg, filled_kg = float(model.body_mass.sum()), most_filled_kg(events)
     if filled_kg > PAYLOAD_SHARE * own_kg:
         raise BadInput(

@@ -1,4 +1,4 @@
-"""Springs between tread and rim, from the relaxation lengths a tyre is known by."""
+"""Springs between tread and rim, from the relaxation lengths of a tyre."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ FIRM_STIFFNESS = 6.5
 
 
 def tread_part(tyre: Mapping[Wheel, float]) -> dict[Wheel, float]:
-    """The block's derived numbers of a wheel.
+    """Springs K and dampers d between tread and rim, the derived numbers of a wheel's `Wheel` part.
 
         K_x = 6.5 N / L_x        K_y = 6.5 N kappa / L_y        d_x = tau / L_x
                                                                 d_y = tau kappa / L_y
 
-    so that on firm soil, under the nominal load N, a small slip is reached over the way L. On other
-    soil and under another load the way follows the law's stiffness over K, as a carcass's does.
+    so that on firm soil, under the nominal load N, a small slip builds up over the relaxation
+    length L. On other soil and under another load that length is the soil law's stiffness over K.
+    tau is the wheel's shear damping, kappa its lateral ratio.
     """
     long_m, lat_m = tyre[Wheel.RELAXATION_LONG_M], tyre[Wheel.RELAXATION_LAT_M]
     stiffness, ratio = FIRM_STIFFNESS * tyre[Wheel.NOMINAL_LOAD_N], tyre[Wheel.LATERAL_RATIO]

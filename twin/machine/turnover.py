@@ -1,4 +1,4 @@
-"""The plough as it stands to work: turned over to its side, and shifted to the furrow's wall."""
+"""The plough in its working position: turned over to one side and shifted to the furrow's wall."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ from twin.scenario import Plough
 from twin.scenario.plough import FURROW_SIDES
 
 ASIDE, TURNED, SHARE = "plough.aside.", "plough.turned.", "plough.share_"
-"""Frames of a model that go to the side that is worked; frames that turn over; the shares."""
+"""Name prefixes of the frames that move sideways, of those that turn over, and of the shares."""
 
 
 def turn_over(spec: Any, plough: Plough, numbers: dict[str, float]) -> None:
-    """Set the shares of a specification, and all that is drawn about them, to the furrow's side.
+    """Move the shares of a specification, and their visual geometry, to the furrow's side.
 
         y = +-(y_model - shift)        shift = edge - edge(depth)
 
-    A model stands as it works with the furrow on the left. The operator has shifted it so that the
-    first body meets the wall, which is nearer to the line the deeper the furrow. Where the soil's
-    forces act and what is drawn there move together: they are in one frame. For a furrow on the
-    right the drawn part is also turned over by half a turn about its axis.
+    A model is made for a furrow on the left. It is shifted so that the first body meets the
+    furrow's wall: edge is the model's distance of the wall from the line, edge(depth) that of
+    `furrow_edge_m`. For a furrow on the right the visual part is also turned over by half a turn
+    about its axis.
 
     Args:
-        spec: mujoco.MjSpec of a tractor with its plough; frames `aside.` and `turned.` are moved
-            where there are any, and sites `share_` that are in none.
-        plough: which side, and how deep.
-        numbers: the models' <numeric> values.
+        spec: mujoco.MjSpec of a tractor with its plough; its frames `plough.aside.` and
+            `plough.turned.` are moved, and sites `plough.share_` outside such frames.
+        plough: gives the furrow's side and the depth.
+        numbers: <numeric> values of the machine and its implement by name.
     """
     side = FURROW_SIDES[plough.furrow]
     shift_m = (

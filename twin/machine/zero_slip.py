@@ -1,13 +1,13 @@
-"""Where slip is zero: rolling radii under the four zero conditions of ASABE S296, over the law's.
+"""Rolling radii by the four zero-slip conditions of ASABE S296, relative to that of the soil law.
 
-The twin's own rolling radius R is that at which the soil law's own slip is zero. A calibration in
-the field finds another: that of a wheel without torque, or of a tractor without pull, on a hard
+In the soil law slip is zero where v = w R, with the rolling radius R. A calibration in the field
+finds another radius R': that of a wheel without torque, or of a tractor without pull, on a hard
 surface or on the field. Slip by the radius R' is
 
     s' = (w R' - v) / max(|w R'|, |v|, 0.05 m/s)
 
-and R' / R follows from the law's own slip s_0 in that state, under the loads of the bare tractor
-standing level: v = w R', so R' / R = 1 - s_0 where it drives and 1 / (1 + s_0) where it is towed.
+and R' / R follows from the slip s_0 by the soil law in that state, under the nominal wheel loads:
+v = w R', so R' / R = 1 - s_0 for s_0 >= 0 and 1 / (1 + s_0) for s_0 < 0.
 Source: ASABE S296, zero conditions, from memory.
 """
 
@@ -27,16 +27,16 @@ from twin.scenario import Soil as Ground
 
 Array = NDArray[np.float64]
 HARD = "asphalt"
-"""Preset of the hard surface."""
+"""Soil preset of the hard surface."""
 REACH = 0.2
-"""Slip within which the zero lies."""
+"""The slip s_0 is searched between -REACH and REACH [-]."""
 
 
 def radius_factors(scenario: Scenario, parameters: Array) -> Array:
-    """R' / R of each wheel, in the order of block.WHEELS; 1 by the law's own zero. Shape (4,).
+    """R' / R of each wheel, in the order of block.WHEELS; 1 where R is kept. Shape (4,).
 
     Args:
-        scenario: its zero slip, soil and driven axles.
+        scenario: gives `zero_slip` (the condition) and the driven axles.
         parameters: the parameter block of its machine.
     """
     where, _, state = scenario.zero_slip.partition("-")

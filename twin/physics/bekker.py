@@ -27,11 +27,11 @@ from twin.physics.shapes import Array
 RIGID_NPM = 1e8
 """A wheel stiffer than this is rigid [N/m]; a tractor's tyre has 2e5 to 7e5."""
 DEEPEST = 0.9
-"""Greatest sinkage over the radius of the wheel."""
+"""Greatest sinkage that the law uses, as a share of the wheel's radius [-]."""
 ITERATIONS = 2
 """Corrections of the sinkage before the forces are taken."""
 STEEPEST_SKID = -0.99
-"""Skid beyond which the wheel counts as locked."""
+"""Most negative slip that the law uses [-]: below it the wheel counts as locked."""
 LEAST_TRAVEL = 0.01
 """Travel over what the rim has turned, below which a spinning wheel counts as this slow."""
 
@@ -63,9 +63,12 @@ def sine_cosine(angle: float) -> tuple[float, float]:
 
 @law
 def mobilised(along: float, across: float) -> tuple[float, float]:
-    """Share of the shear strength that a displacement over its modulus calls up, as a vector.
+    """Shear stress as a share of the shear strength [-], along and across the wheel.
 
-    (1 - exp(-J)) (J_x, J_y) / J        J = sqrt(J_x**2 + J_y**2)
+        (1 - exp(-J)) (J_x, J_y) / J        J = sqrt(J_x**2 + J_y**2)
+
+    Args:
+        along, across: J_x and J_y, each a shear displacement divided by its shear modulus.
     """
     size = math.sqrt(along * along + across * across)
     share = (1.0 - math.exp(-size)) / size if size > 1e-6 else 1.0 - 0.5 * size
@@ -80,21 +83,29 @@ def sinkage_modulus(soil: Array, wheel: Array) -> float:
 
 @law
 def hard_deflection_m(wheel: Array, load_n: float) -> float:
-    """Deflection of the tyre under its load on hard ground; 0 for a rigid wheel."""
+    """Deflection of the tyre under its load on hard ground [m]; 0 for a rigid wheel."""
     stiffness = wheel[Wheel.STIFFNESS_NPM]
     return load_n / stiffness if 0.0 < stiffness < RIGID_NPM else 0.0
 
 
 @law
 def circle(wheel: Array, deflection_m: float, sinkage_m: float) -> tuple[float, float]:
-    """Radius [m] of the rigid wheel that replaces a flexible tyre, and its entry angle [rad].
+    """Radius r* of the rigid wheel that replaces a flexible tyre, and its entry angle theta_1.
 
-        D* / D  = (sqrt(1 + f / z) + sqrt(f / z))**2
-        theta_1 = acos(1 - z / r*)
+        2 r* / D = (sqrt(1 + f / z) + sqrt(f / z))**2
+        theta_1  = acos(1 - z / r*)
 
-    The circle with the tyre's sinkage z and, as chords of a flat arc, the tyre's contact length:
-    sqrt(D (z + f)) ahead of the hub and sqrt(D f) behind it. Bolling 1987. A rigid wheel (f = 0)
-    keeps its radius.
+    The larger wheel has the sinkage z and the contact length of the tyre of diameter D. A contact
+    is taken as flat against D: the tyre's length is sqrt(D (z + f)) ahead of the hub and
+    sqrt(D f) behind it. Bolling 1987. A rigid wheel (f = 0) keeps its radius.
+
+    Args:
+        wheel: part of the parameter block (`Wheel`), with the unloaded diameter D.
+        deflection_m: f, of the tyre on hard ground.
+        sinkage_m: z > 0.
+
+    Returns:
+        radius_m, entry angle [rad] from the vertical to where the wheel meets the soil.
     """
     f, z = deflection_m, sinkage_m
     radius = 0.5 * wheel[Wheel.DIAMETER_M]
@@ -106,7 +117,7 @@ def circle(wheel: Array, deflection_m: float, sinkage_m: float) -> tuple[float, 
 
 @law
 def normal_stress(soil: Array, modulus: float, depth_m: float) -> float:
-    """sigma = (k_c / b + k_phi) z**n, with the modulus of `sinkage_modulus` [Pa]."""
+    """Normal stress at a depth [Pa]: sigma = k z**n, k the modulus by `sinkage_modulus`."""
     return modulus * math.exp(soil[Soil.SINKAGE_EXPONENT] * math.log(max(depth_m, 1e-12)))
 
 
@@ -121,7 +132,7 @@ def carried_n(
     pace: float,
     side: float,
 ) -> float:
-    """Load that stresses and shear carry at a sinkage z, by the coarse rule.
+    """Load that stresses and shear carry at a sinkage z [N], by the coarse quadrature rule.
 
         W = b r integral of (sigma cos(theta) + tau_x sin(theta)) d theta
 
@@ -159,7 +170,7 @@ def arc_forces(
     side: float,
     slip: float,
 ) -> tuple[float, float, float, float, float, float]:
-    """Stresses along the contact arc, summed to forces.
+    """Forces on a wheel: integrals of the stresses sigma and tau along the contact arc.
 
         sigma(theta) = k (r (cos(theta) - cos(theta_1)))**n
                        ahead of theta_m = peak theta_1, mirrored from there onto [0, theta_m]
@@ -167,22 +178,22 @@ def arc_forces(
         j_x = r (theta_1 - theta - pace (sin(theta_1) - sin(theta)))
         j_y = r side (theta_1 - theta)
 
-    The slip's share of the shear is the same integral with
-    j_x = r slip (sin(theta_1) - sin(theta)).
+    with the cohesion c, the friction angle phi, and r and theta_1 from `circle`. The shear due to
+    slip is the same integral of tau with j_x = r slip (sin(theta_1) - sin(theta)).
 
     Args:
-        soil, wheel: parts of the block.
+        soil, wheel: parts of the parameter block (`Soil`, `Wheel`).
         modulus: k, the pressure at a sinkage of 1 m [Pa].
-        deflection_m: of the tyre on hard ground.
+        deflection_m: deflection of the tyre on hard ground.
         z: sinkage [m].
-        peak: theta_m / theta_1.
-        pace: travel over what the rim has turned, v / (w r).
-        side: travel sideways over what the rim has turned; positive shears to the left.
-        slip: (w r - v) / (w r) whose share is wanted.
+        peak: theta_m / theta_1, where the normal stress is greatest.
+        pace: forward speed over rim speed, v / (w r).
+        side: sideways speed over rim speed; positive shears the soil to the left.
+        slip: (w r - v) / (w r), for the shear due to slip.
 
     Returns:
-        load_n, normal_n (what sigma alone carries), pull_n, torque_n (over the rolling radius),
-        the slip's share of the shear along and across [N].
+        load_n, normal_n (the part of the load that sigma carries), pull_n, torque_n (torque
+        divided by r), and the shear due to slip along and across the wheel [N].
     """
     radius, entry = circle(wheel, deflection_m, z)
     sine_1, cosine_1 = sine_cosine(entry)
@@ -219,11 +230,13 @@ def arc_forces(
 def first_sinkage_m(
     soil: Array, wheel: Array, modulus: float, load_n: float, deflection_m: float, peak: float
 ) -> float:
-    """Sinkage under the normal stress alone, on a flat arc: where the iteration begins.
+    """Sinkage z under the normal stress alone, on a flat arc: the start of the iteration [m].
 
-        W = b k C z**n sqrt(D z)
+        W = b k C z**n L        L = sqrt(D (z + f)) + sqrt(D f)
 
-    C is the mean of (1 - x**2)**n over [peak, 1], with x in it at its mean under (1 - x)**n.
+    C is the mean of (1 - x)**n (1 + x)**n over x in [peak, 1], the second factor taken at the mean
+    of x with the weight (1 - x)**n. W is the load, b and D are the wheel's width and diameter; the
+    other arguments are as for `arc_forces`.
     """
     n = soil[Soil.SINKAGE_EXPONENT]
     mean = ((1.0 - peak) * (2.0 - (1.0 - peak) * (n + 1.0) / (n + 2.0))) ** n / (n + 1.0)
@@ -240,14 +253,17 @@ def first_sinkage_m(
 
 @law
 def stiffening(soil: Array, deflection_m: float, z: float) -> float:
-    """d ln(W) / d ln(z) of a flat arc: n + z / (2 (z + f + sqrt(f (z + f))))."""
+    """Exponent by which the load W that a flat arc carries grows with the sinkage z.
+
+    d ln(W) / d ln(z) = n + z / (2 (z + f + sqrt(f (z + f)))), f the tyre's deflection.
+    """
     f = deflection_m
     return soil[Soil.SINKAGE_EXPONENT] + 0.5 * z / (z + f + math.sqrt(f * (z + f)))
 
 
 @law
 def sunk_deeper(soil: Array, slip: float, side_slip: float) -> float:
-    """Sinkage of a slipping wheel over that without slip: 1 + S min(sqrt(s**2 + s_y**2), 1).
+    """Ratio of the sinkage with slip to that without: 1 + S min(sqrt(s**2 + s_y**2), 1).
 
     Lyasko 2010 has z = z_0 (1 + S s) of a wheel that runs straight ahead. Soil sheared sideways is
     taken to yield as soil sheared along the wheel does.
@@ -258,11 +274,18 @@ def sunk_deeper(soil: Array, slip: float, side_slip: float) -> float:
 
 @law
 def softened(soil: Array, modulus: float, deflection_m: float, z: float, deeper: float) -> float:
-    """Modulus with which a flat arc carries at the sinkage d z what it carried at z.
+    """Modulus k' [Pa] with which a flat arc carries the same load at d z as with k at z.
 
         k' = k d**-n L(z) / L(d z)        L(z) = sqrt(z + f) + sqrt(f)
 
-    A rigid wheel's is k d**-(n + 1/2).
+    For a rigid wheel k' = k d**-(n + 1/2).
+
+    Args:
+        soil: part of the parameter block (`Soil`), with the sinkage exponent n.
+        modulus: k [Pa].
+        deflection_m: f, of the tyre on hard ground.
+        z: sinkage without slip [m].
+        deeper: d, the ratio by `sunk_deeper`.
     """
     f = deflection_m
     before, after = math.sqrt(z + f) + math.sqrt(f), math.sqrt(deeper * z + f) + math.sqrt(f)
@@ -281,12 +304,13 @@ def sinkage_m(
     pace: float,
     side: float,
 ) -> float:
-    """Sinkage at which the wheel carries its load.
+    """Sinkage at which the wheel carries its load [m].
 
         z <- z (W / W(z))**(1 / e)        e = d ln(W) / d ln(z)
 
-    Newton's method in the logarithms, where W(z) is almost straight; e is that of a flat arc at
-    first, then that of the chord. A fixed number of steps, so that forces are smooth.
+    Newton's method in the logarithms, where W(z) is almost straight. It begins at `first_m`, with
+    e by `stiffening`; then e is the slope between the last two sinkages. The number of steps is
+    fixed, so that forces are smooth. The other arguments are as for `arc_forces`.
     """
     deepest = DEEPEST * 0.5 * wheel[Wheel.DIAMETER_M]
     z, exponent = first_m, stiffening(soil, deflection_m, first_m)
@@ -304,7 +328,7 @@ def sinkage_m(
 
 @law
 def drift(slip: float, side_slip: float) -> float:
-    """Travel sideways over travel ahead: s_y / max(1 - |s|, 0.01).
+    """Sideways speed over forward speed: s_y / max(1 - |s|, 0.01).
 
     For a driven wheel (s >= 0) this is -v_y / v_x, the tangent of the slip angle, positive when the
     wheel slides to its right. A skidding wheel uses the same formula, so that (-s, -s_y) gives the
@@ -315,18 +339,18 @@ def drift(slip: float, side_slip: float) -> float:
 
 @law
 def bulldozing_n(soil: Array, wheel: Array, deflection_m: float, z: float, aside: float) -> float:
-    """Rankine's passive earth pressure on the sunk side of a wheel, its sinkage a parabola.
+    """Force of the soil on the sunk side of a wheel: Rankine's passive earth pressure [N].
 
         F = X (4/3 c z q + 4/15 g z**2 q**2) (1 - exp(-|a| X / K_y)) sign(a)
         q = tan(45 deg + phi / 2)        X = r sin(theta_1)
 
-    with g the unit weight of the soil. It is called up as the lateral shear is, over the way the
-    wheel moves aside while it travels its contact length, a X: however fast its rim turns, it
-    pushes the soil beside it no further.
+    with g the unit weight of the soil; the sunk side has a parabola as its outline. The pressure
+    grows as the lateral shear does, with the distance a X by which the wheel moves sideways while
+    it travels its contact length X. That distance does not depend on how fast the rim turns.
 
     Args:
         soil, wheel, deflection_m, z: as for `arc_forces`.
-        aside: a, travel sideways over travel ahead, as of `drift`; positive pushes to the left.
+        aside: a, sideways speed over forward speed by `drift`; positive pushes to the left.
     """
     tan_phi = soil[Soil.TAN_PHI]
     q = tan_phi + math.sqrt(1.0 + tan_phi * tan_phi)
@@ -341,27 +365,27 @@ def bulldozing_n(soil: Array, wheel: Array, deflection_m: float, z: float, aside
 def bekker(
     soil: Array, wheel: Array, load_n: float, slip: float, side_slip: float
 ) -> tuple[float, float, float, float, float]:
-    """Shear at the patch, motion resistance at the hub, rolling moment on the wheel, sinkage.
+    """Shear at the contact, motion resistance at the hub, rolling moment on the wheel, sinkage.
 
-        F_x, F_y = shear whose displacement is the slip's alone; F_y has the bulldozing force too
+        F_x, F_y = shear due to slip (see `arc_forces`); F_y includes the bulldozing force
         M_r = T / R - F_x           M_h = F_x - (net pull)
 
     so that axle torque, the integral of tau r dA, is (F_x + M_r) R and net pull, the integral of
-    (tau cos(theta) - sigma sin(theta)) dA, is F_x - M_h. F_x is zero
-    without slip, odd in the slip, and has the slip's sign. `arc_forces` integrates that shear. What
-    a wheel shears by rolling alone is in M_r.
+    (tau cos(theta) - sigma sin(theta)) dA, is F_x - M_h. F_x is zero without slip, odd in the
+    slip, and has the slip's sign. The shear that a wheel makes by rolling without slip is in M_r.
 
     A skidding wheel (s < 0) has minus the F_x of a driven wheel at |s|, and the shear in F_y of
-    that wheel. Its torque, net pull and sinkage are those of its own arc, where w r = (1 + s) v.
+    that driven wheel. Its torque, net pull and sinkage are integrated with w r = (1 + s) v.
 
     Args:
-        soil, wheel: parameter blocks (Soil, Wheel).
+        soil, wheel: parts of the parameter block (`Soil`, `Wheel`).
         load_n: normal load, positive.
         slip, side_slip: (w R - v_x) / V and -v_y / V with V = max(|w R|, |v_x|), for a wheel that
             rolls forwards.
 
     Returns:
-        shear_x_n, shear_y_n, resistance_n, rolling_moment_n (times the radius a moment), sinkage_m.
+        shear_x_n, shear_y_n, resistance_n (M_h), rolling_moment_n (M_r, the moment divided by the
+        rolling radius R), sinkage_m.
     """
     s = min(max(slip, STEEPEST_SKID), 1.0)
     driven = abs(s)

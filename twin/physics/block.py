@@ -140,11 +140,14 @@ BUILD = (
     Wheel.SLIP_RATE_CHANGE, Wheel.ROLLING_MOMENT_CHANGE, Wheel.MOBILITY_RESISTANCE_CHANGE,
     Wheel.PAIRED,
 )  # fmt: skip
-"""What a radial tyre changes of Brixius' law, and pairs; nothing where a model says nothing."""
+"""Fields that are 0 where a model does not give them: changes by a radial tyre, and pairs."""
 
 
 class Envelope(IntEnum):
-    """Radii whose envelopes stand one after another, each along and then across the ground."""
+    """Kinds of wheel in the order of their envelope maps: the ground's height as a hub feels it.
+
+    Each kind has two maps, for a wheel that rolls along the ground's s axis and across it.
+    """
 
     FRONT = 0
     REAR = 1
@@ -310,4 +313,4 @@ POWER_SLOTS = MACHINE_SLOTS + int(MachineSlot.SIZE)
 SCRATCH_SLOTS = POWER_SLOTS + int(PowerSlot.SIZE)
 """The soil at the place of one wheel or share, while its force is computed."""
 RATE_SLOTS = SCRATCH_SLOTS + int(Soil.SIZE)
-"""Slots from here on carry the activation rates from mjcb_passive to mjcb_act_dyn."""
+"""First of the slots by which mjcb_passive hands the activation rates to mjcb_act_dyn."""

@@ -28,7 +28,7 @@ def mobility(soil: Array, wheel: Array, load_n: float) -> float:
 def brixius(
     soil: Array, wheel: Array, load_n: float, slip: float, side_slip: float
 ) -> tuple[float, float, float, float, float]:
-    """Shear at the patch, motion resistance at the hub, rolling moment on the wheel.
+    """Shear at the contact, motion resistance at the hub, rolling moment on the wheel.
 
         sigma = sqrt(s**2 + (kappa s_y)**2)
         G     = N mu (1 - exp(-0.1 Bn)) (1 - exp(-k sigma))
@@ -42,13 +42,13 @@ def brixius(
     kappa is the tyre's lateral over its longitudinal slip stiffness.
 
     Args:
-        soil, wheel: parameter blocks (Soil, Wheel).
+        soil, wheel: parts of the parameter block (`Soil`, `Wheel`).
         load_n: normal load N, positive.
         slip, side_slip: (w R - v_x) / V and -v_y / V with V = max(|w R|, |v_x|).
 
     Returns:
-        shear_x_n, shear_y_n, resistance_n (>= 0), rolling_moment_n (times the radius a moment),
-        sinkage_m (0: the law knows none).
+        shear_x_n, shear_y_n, resistance_n (M_h >= 0), rolling_moment_n (M_r, the moment divided by
+        the rolling radius), sinkage_m (0: the law has no sinkage).
     """
     bn = mobility(soil, wheel, load_n)
     lateral = wheel[Wheel.LATERAL_RATIO] * side_slip

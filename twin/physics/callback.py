@@ -72,9 +72,9 @@ MAGIC, VERSION = block.MAGIC, block.VERSION
 
 @law
 def find_block(model: int) -> int:
-    """Address of the parameter block in numeric_data, or -1 for a model that is not ours.
+    """Address of the parameter block in numeric_data, or -1 where the model has none.
 
-    Neither is one whose block has another version, or whose userdata has no room for the slots.
+    -1 also where the block has another version, or userdata has no room for the slots.
     """
     count = memory.size(model, NNUMERIC)
     if count == 0:
@@ -94,7 +94,7 @@ def find_block(model: int) -> int:
 
 @law
 def last_dof(model: int, body: int) -> int:
-    """The last degree of freedom that moves a body, or -1 for one that nothing moves."""
+    """Index of the last degree of freedom that moves a body, or -1 for a fixed body."""
     count, parent = memory.ints(model, BODY_DOFNUM), memory.ints(model, BODY_PARENTID)
     while count[body] == 0:
         if body == 0:
@@ -115,7 +115,18 @@ def couple(
     rates: Array,
     slots: Array,
 ) -> float:
-    """Torque of one friction element; a pedal releases it, a lever applies it."""
+    """Torque of one friction element [N m]; writes its wind-up rate and adds its energy.
+
+    Args:
+        parameters: the parameter block.
+        which: index of the element in `block.COUPLINGS`.
+        pedal: its control releases it, as the clutch pedal does; else its control applies it.
+        rate_radps: relative speed of its two sides.
+        act, ctrl: mjData's activations and controls.
+        dt_s: time step.
+        rates: rates of the activations, written.
+        slots: `MachineSlot` numbers; ELASTIC_J is added to.
+    """
     at = COUPLING + which * COUPLING_SIZE
     element = parameters[at : at + COUPLING_SIZE]
     control = min(max(ctrl[int(element[Coupling.CONTROL])], 0.0), 1.0)
@@ -139,9 +150,16 @@ def drive(
     rates: Array,
     powers: Array,
 ) -> None:
-    """Engine, clutch, differential with its lock, front-axle drive, and brakes.
+    """Torques of engine, clutch, differential, lock, front-axle drive and brakes on the wheels.
 
     The front axle is driven by the pinion of the rear differential, behind the clutch.
+
+    Args:
+        parameters: the parameter block.
+        qvel, act, ctrl: joint velocities, activations and controls of mjData.
+        passive: qfrc_passive; the torques are added.
+        dt_s: time step.
+        slots, rates, powers: written: `MachineSlot` numbers, rates of `act`, `PowerSlot` numbers.
     """
     engine = parameters[ENGINE:COUPLING]
     fl, fr, rl, rr = (
@@ -183,7 +201,10 @@ def drive(
 
 @law
 def ground_forces(model: int, data: int) -> None:
-    """All forces of ground, engine and brakes, added to qfrc_passive."""
+    """Add all forces of ground, engine and brakes to qfrc_passive, and write the slots.
+
+    `model` and `data` are the addresses of an mjModel and its mjData.
+    """
     address = find_block(model)
     if address < 0:
         return
@@ -235,9 +256,10 @@ def ground_forces(model: int, data: int) -> None:
 
 @law
 def activation_rates(model: int, data: int, actuator: int) -> float:
-    """Write the rates of an actuator's activations, as the passive callback left them.
+    """Copy the activation rates of an actuator from userdata to act_dot, and return the first.
 
-    MuJoCo takes what is returned where an actuator has one activation, and else what is written.
+    `ground_forces` has written them to userdata. MuJoCo uses the return value where an actuator has
+    one activation, act_dot where it has more. `model`, `data`: addresses of mjModel and mjData.
     """
     address = find_block(model)
     if address < 0:

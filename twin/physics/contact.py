@@ -27,17 +27,17 @@ from twin.physics.shapes import Array, Vector
 RING = 1.0 / math.sqrt(12.0)
 """Distance of a ring from the tyre's middle over the tyre's width: Gauss' rule of two points."""
 LEAST_UPRIGHT = 0.01
-"""u . n of a wheel that lies on its side, whose tread has no place on the ground."""
+"""Least u . n that is used, for a wheel that lies on its side [-]."""
 TURNED_FROM, TURNED_OVER = 0.1, 0.8
-"""Sine of the heading on the ground from which, and over which, a wheel passes from the envelope
-along the ground to that across it."""
+"""Sine of the wheel's heading at which the height begins to pass from the envelope along the ground
+to the envelope across it, and the range of the sine over which it passes [-]."""
 
 
 @inlined_law
 def upward(axle: Vector, normal: Vector) -> tuple[Vector, float]:
     """u, the direction in the wheel's plane nearest to the normal, and u . n.
 
-    u = (n - (n . c) c) / |n - (n . c) c|
+    u = (n - (n . c) c) / |n - (n . c) c|, with c the `axle` and n the `normal`.
     """
     camber = rigid.dot(axle, normal)
     upright = math.sqrt(max(1.0 - camber * camber, LEAST_UPRIGHT * LEAST_UPRIGHT))
@@ -51,16 +51,17 @@ def felt_height(
 ) -> tuple[float, float, float, float]:
     """Height of the ground as a wheel of one radius feels it under its hub.
 
-        g = (1 - q) g_along + q g_across        q from the wheel's heading a on the ground
+        g = (1 - q) g_along + q g_across        q from the wheel's heading psi on the ground
 
     Args:
-        field, nodes: the ground's part of the block, and the model's hfield_data.
-        envelope: which radius (`twin.physics.block.Envelope`).
-        place: a point above or below the place, world axes.
-        along: a.
+        field: part of the parameter block (`Field`).
+        nodes: the model's hfield_data.
+        envelope: which kind of wheel (`twin.physics.block.Envelope`).
+        place: any point on the ground's normal through the place, world axes.
+        along: unit vector in which the wheel rolls, world axes.
 
     Returns:
-        g, dg/ds, dg/dt, and dg/dpsi of the heading psi.
+        g [m] above the ground's plane, dg/ds, dg/dt, dg/dpsi.
     """
     if field[Field.HEIGHTS + Grid.RANGE] == 0.0:
         return field[Field.HEIGHTS + Grid.LOW], 0.0, 0.0, 0.0
@@ -94,25 +95,27 @@ def ring(
     up: Vector,
     aside_m: float,
 ) -> tuple[Vector, Vector, float, float, float]:
-    """One of a tyre's two rings on the ground.
+    """Force of the ground on one of a tyre's two rings, and its energy.
 
         p = -R u + w c        delta = g(p) - (hub + p) . n        U = k/2 delta**2 / 2
         F = k/2 min(delta, R) (n - dg/ds s - dg/dt t)
 
-    at p. Along the wheel p is under the hub, where the envelope is; of the moment only the part
-    across the axle counts, for a round wheel is pushed through its hub. From delta = R on U grows
-    in proportion to delta.
+    F acts at hub + p. In the wheel's plane p is under the hub, where the envelope gives the height;
+    the caller drops the part of the moment about the axle, since a round wheel is pushed through
+    its hub. Where delta > R, U grows in proportion to delta.
 
     Args:
-        field, nodes: the ground's part of the block, and the model's hfield_data.
-        wheel: its part of the block: R, k and its envelope.
-        hub: its place.
-        raised_m: what the ground is raised by beside its map: the furrow's bottom.
+        field: part of the parameter block (`Field`).
+        nodes: the model's hfield_data.
+        wheel: part of the parameter block (`Wheel`): R, k and the kind of envelope.
+        hub: position of the hub.
+        raised_m: height of the furrow's bottom, added to the map's; at most 0.
         axle, up: c and u.
-        aside_m: w.
+        aside_m: w, distance of the ring from the tyre's middle along c.
 
     Returns:
-        force, moment about the hub, overlap_m (0 without contact), energy_j, and the force's size.
+        force [N], moment about the hub [N m], overlap_m (delta; 0 without contact), energy_j (U),
+        and the force's size [N].
     """
     normal, radius_m = field_axis(field, Field.NORMAL), 0.5 * wheel[Wheel.DIAMETER_M]
     lowest = rigid.plus(rigid.scaled(-radius_m, up), rigid.scaled(aside_m, axle))

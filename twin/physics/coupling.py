@@ -14,7 +14,7 @@ RELEASE_S = 0.1
 def twist(
     element: Array, applied: float, windup: float, rate_radps: float, dt_s: float
 ) -> tuple[float, float]:
-    """Torque of an elastic-plastic friction element, and the rate of its wind-up u in [-1, 1].
+    """Torque of an elastic-plastic friction element, and the rate of its wind-up u.
 
         u' = clip(u + w dt / u_max, -1, 1)        du/dt = (u' - u) / dt
         T  = applied capacity clip(u' + tau du/dt, -1, 1)
@@ -22,8 +22,15 @@ def twist(
     Below capacity it is a spring, so it holds without creeping; at capacity it slides. The torque
     is taken at the end of the step, as the tyres' shear is.
 
+    Args:
+        element: part of the parameter block (`Coupling`): capacity, u_max and tau.
+        applied: how far it is applied, 0 to 1.
+        windup: u, twist over the twist at capacity, -1 to 1.
+        rate_radps: w, relative speed of its two sides.
+        dt_s: time step dt.
+
     Returns:
-        torque_nm against the relative rate, rate of u [1/s].
+        torque_nm, positive against a positive w; du/dt [1/s].
     """
     if applied <= 0.0:
         return 0.0, -windup / RELEASE_S

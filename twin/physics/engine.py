@@ -12,12 +12,12 @@ ELECTRIC = 1.0
 POINTS = int(Engine.POINTS)
 OFF, START = int(Key.OFF), int(Key.START)
 MOTORED_PA, MOTORED_PA_PER_RPM, MOTORED_PA_S2PM2 = 75e3, 48.0, 400.0
-"""Mean effective pressure that turns an unfuelled diesel of direct injection: at rest, per speed,
-and per square of the mean piston speed."""
+"""Mean effective pressure that turns an unfuelled diesel of direct injection: at rest [Pa], per
+speed [Pa/rpm], and per square of the mean piston speed [Pa s^2/m^2]."""
 STALLED_RPM, FIRING_RPM = 300.0, 500.0
-"""A diesel that is pulled below the second loses torque, and below the first has died [rpm]."""
+"""Below FIRING_RPM the torque of a diesel falls; at STALLED_RPM it is 0: the engine has died."""
 TURNING_RPM = 50.0
-"""Speed within which the parasitic torque changes its sign about rest [rpm]."""
+"""Speed below which the parasitic torque is proportional to the speed [rpm]."""
 STARTER_RPM, STARTER_SHARE = 600.0, 0.4
 """Speed at which a starter turns freely, and its torque at rest over the rated torque [rpm, -]: it
 turns a warm diesel at some 300 rpm until it fires; assumed."""
@@ -76,7 +76,7 @@ def full_load_torque_nm(engine: Array, rpm: float) -> float:
 
 @law
 def braking_torque_nm(engine: Array, rpm: float) -> float:
-    """Most torque against its motion: of a diesel without fuel, or of a motor that regenerates.
+    """Greatest braking torque of a diesel without fuel, or of a motor that regenerates [N m].
 
     A four-stroke diesel is turned against the mean effective pressure of its friction and gas
     exchange, and of its exhaust brake where that is closed:
@@ -104,7 +104,7 @@ def braking_torque_nm(engine: Array, rpm: float) -> float:
 
 @law
 def engine_torque_nm(engine: Array, throttle: float, rpm: float) -> float:
-    """Torque of the governed engine: droop from the no-load set speed, within the full-load curve.
+    """Torque of the governed engine [N m]: droop from the no-load set speed, up to full load.
 
         n0 = n_idle + throttle (n_max - n_idle)
         T  = (n0 - n) / (droop n_max / n0)      between -braking torque and the full-load torque
@@ -134,13 +134,13 @@ def engine_torque_nm(engine: Array, throttle: float, rpm: float) -> float:
 
 @law
 def parasitic_torque_nm(engine: Array, rpm: float) -> float:
-    """Torque of fan, pumps and generator against the motion: T_p clip(n / 50 rpm, -1, 1)."""
+    """Torque of fan, pumps and generator [N m]: T_p clip(n / 50 rpm, -1, 1); n is `rpm`."""
     return engine[Engine.PARASITIC_NM] * min(max(rpm / TURNING_RPM, -1.0), 1.0)
 
 
 @law
 def axle_torque_nm(engine: Array, torque_nm: float, rpm: float) -> float:
-    """Torque at the driven axle: the rest after parasitic load, through the transmission.
+    """Torque at the driven axle [N m]: engine torque T less parasitic torque, times the gear ratio.
 
         c      = clip(n / 50 rpm, -1, 1)
         T_axle = i (T - T_p c) eta**(c sgn(T - T_p c))

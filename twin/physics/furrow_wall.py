@@ -25,16 +25,17 @@ def wall_force(
     turning: Vector,
     depth_m: float,
 ) -> tuple[Vector, Vector, float, float, float]:
-    """Push of the furrow's wall, and of the slice beyond it, on the flanks they touch.
+    """Force of the furrow's wall, and of the turned slice opposite, on a tyre's flanks.
 
     Args:
-        field, wheel: parts of the block.
-        hub, axle: of the wheel, world axes.
-        velocity, turning: of the hub, and the wheel's rate of turning without its spin.
+        field, wheel: parts of the parameter block (`Field`, `Wheel`).
+        hub, axle: position of the hub and direction of the axle, world axes.
+        velocity: velocity of the hub [m/s].
+        turning: angular velocity of the wheel without its spin about the axle [rad/s].
         depth_m: D, the depth of the furrow under the tread.
 
     Returns:
-        as `flank_force`, of both together.
+        what `flank_force` returns, summed over wall and slice.
     """
     if depth_m <= 0.0:
         return NOTHING
@@ -64,25 +65,26 @@ def flank_force(
     place_m: float,
     outward: float,
 ) -> tuple[Vector, Vector, float, float, float]:
-    """Push of one side of the furrow on the flank that faces it.
+    """Force of one side of the furrow on the flank of the tyre that faces it.
 
-        e = c without its part along s, made a unit, turned away from what pushes
+        e = unit vector of the axle c without its part along s, away from the side of the furrow
         p = b / 2 - e . (hub - W)        F = w (k D p - c D dp/dt) e at W, never a pull
         U = w k D p**2 / 2               w = q(2 (c . t)**2 - 1/2)
 
-    W is the nearest point of the side's edge, half way up its depth D; s is the way it runs and t
-    across it. w passes from 1 to 0 as the wheel turns across the furrow, where it has no flank to
-    it. The slice is loose: pressed deeper than SLICE_M it gives way, and at twice that the tyre is
-    on it and nothing pushes back. The spring's part is the gradient of U.
+    k and c are stiffness and damping per metre of depth, b the tyre's width, q `smooth_step`. W is
+    the nearest point of the furrow's side, half way up its depth D; the unit vector s points along
+    the furrow, t across it. w falls from 1 to 0 as the wheel turns across the furrow, where its
+    flank no longer faces the side. The slice is loose: beyond p = SLICE_M its force falls, and is
+    0 from 2 SLICE_M, where the tyre is on top of it. The spring's part of F is the gradient of U.
 
     Args:
         field, wheel, hub, axle, velocity, turning, depth_m: as for `wall_force`.
-        place_m: where the side is, to the furrow's side of the pass's line.
+        place_m: distance of the side from the pass's line, positive to where the furrow is.
         outward: 1 for the wall, which pushes away from the line; -1 for the slice.
 
     Returns:
-        force, moment about the hub, the spring's energy_j and what it grows by with D [J/m],
-        power_w taken.
+        force [N], moment about the hub [N m], energy_j (U), dU/dD [J/m], power_w taken from the
+        machine.
     """
     left, along = field_axis(field, Field.LEFT), field_axis(field, Field.AHEAD)
     to_side = field[Field.FURROW_SIDE] * field[Field.PASS_WAY]

@@ -52,8 +52,8 @@ def random_field(seed: float, x_m: float, y_m: float, length_m: float) -> float:
 
         f = sum_i w_i g_i / sqrt(sum_i w_i**2)
 
-    over the four surrounding nodes, w from smoothstep weights. The division keeps the variance the
-    same between nodes as on them.
+    over the four surrounding nodes, with g by `node_value` and smoothstep weights w. The division
+    keeps the variance between nodes the same as on them.
     """
     u, v = x_m / length_m, y_m / length_m
     iu, iv = math.floor(u), math.floor(v)
@@ -97,22 +97,22 @@ def field_axis(field: Array, which: int) -> Vector:
 
 @inlined_law
 def beside_pass(field: Array, t_m: float) -> float:
-    """Distance to the left of the pass's line, in the direction of travel [m]."""
+    """Distance from the pass's line to the left of its direction of travel, of a point at t [m]."""
     return field[Field.PASS_WAY] * (t_m - field[Field.PASS_T_M])
 
 
 @inlined_law
 def furrow(field: Array, s_m: float, t_m: float) -> tuple[float, float, float]:
-    """Height of the furrow's bottom below the field, and its slopes along the ground's axes.
+    """Height of the last furrow's bottom below the field at a place, and its slopes.
 
         h = -depth q(along) q(beyond) (1 - q(over))        q(x) = x**2 (3 - 2 x) between 0 and 1
 
-    The wheel path of the last pass: beyond its wall and before the turned soil, which lies as high
-    as the field, from where that pass got its depth. Side and start are those of this pass, which
-    may go back against the ground's axes.
+    `along` grows from 0 to 1 over the length in which the furrow gets its depth, and falls again at
+    its end; `beyond` grows at the furrow's wall; `over` grows where the turned slice begins, which
+    lies as high as the field. They refer to this pass's start, line and direction of travel.
 
     Returns:
-        height_m (<= 0), dh/ds, dh/dt.
+        height_m (<= 0), dh/ds, dh/dt on the ground's axes.
     """
     side = field[Field.FURROW_SIDE]
     if side == 0.0:
@@ -147,7 +147,7 @@ def smooth_step(x: float) -> tuple[float, float]:
 
 @inlined_law
 def node(i: int, count: int, repeats: bool) -> int:
-    """Number of the node at i; beyond the border that of the repeated map, or of the border."""
+    """Index in [0, count) of node i: modulo `count` where the map repeats, else clipped."""
     if 0 <= i < count:
         return i
     return i % count if repeats else min(max(i, 0), count - 1)
@@ -177,18 +177,22 @@ def on_map(
 def on_nodes(
     field: Array, which: int, first: int, nodes: Array, s_m: float, t_m: float
 ) -> tuple[float, float, float]:
-    """Value at a place of nodes that lie as those of a map, and its slopes.
+    """Value and slopes at a place, of nodes in hfield_data that have the layout of a map.
 
         f = sum over the 3 x 3 nearest nodes of B_k(v) B_m(u) f_km
         B_0 = 3/4 - a**2        B_-1 = (1/2 - a)**2 / 2        B_1 = (1/2 + a)**2 / 2
 
-    The quadratic B-spline over the nodes, a the distance to the nearest in cells: the mean over
-    one cell of the surface that is linear between them. Its slopes are continuous, so no force
-    that follows them jumps; a plane stays a plane, and no value leaves the range of the nodes.
+    This is the quadratic B-spline over the nodes f_km; u and v are the distances to the nearest
+    node along s and t in cells, a either of them. It is the mean over one cell of the surface that
+    is linear between nodes. Its slopes are continuous, so no force that follows them jumps; a plane
+    stays a plane, and no value leaves the range of the nodes.
 
     Args:
         field, which, nodes, s_m, t_m: as for `on_map`.
-        first: number of the first node in hfield_data.
+        first: index of the first node in hfield_data.
+
+    Returns:
+        f, df/ds, df/dt, in the unit of the map.
     """
     columns, rows = int(field[which + Grid.COLUMNS]), int(field[which + Grid.ROWS])
     per_cell, repeats = 1.0 / field[which + Grid.CELL_M], field[which + Grid.REPEATS] != 0.0
@@ -220,9 +224,20 @@ def on_nodes(
 
 @inlined_law
 def soil_at(field: Array, soil: Array, nodes: Array, s_m: float, t_m: float, out: Array) -> None:
-    """The soil's numbers at a place: the map's other soil, patches, and strength that varies.
+    """Write the parameters of the soil at a place to `out`.
 
-    Where the two soils meet their numbers are mixed; the law is that of the larger share.
+        out = (1 - m) soil + m other        m the other soil's share by the map; 0 without a map
+
+    The law is that of the soil with the larger share. Then two factors apply: one to friction,
+    cohesion and tan(phi), one to cone index, k_c and k_phi. Each is the product of the factors of
+    the patches (stretches of s) at the place and of 1 + cv f(s, t), f a random field.
+
+    Args:
+        field: part of the parameter block (`Field`): maps, patches, the other soil, seed.
+        soil: part of the parameter block (`Soil`): the main soil.
+        nodes: the model's hfield_data.
+        s_m, t_m: the place, ground axes: along the course and to its left.
+        out: written, laid out as `soil`.
     """
     for i in range(len(soil)):
         out[i] = soil[i]
@@ -252,7 +267,10 @@ def soil_at(field: Array, soil: Array, nodes: Array, s_m: float, t_m: float, out
 
 @law
 def draft_scale(field: Array, soil: Array, nodes: Array, s_m: float, t_m: float) -> float:
-    """F of ASABE D497 at a place, between that of the soil and of the map's other soil."""
+    """Soil factor F of ASABE D497 at a place [-], mixed of both soils by the map's share.
+
+    The arguments are as for `soil_at`.
+    """
     share = on_map(field, Field.MIXTURE, nodes, s_m, t_m)[0]
     own = soil[Soil.DRAFT_SCALE]
     return own + share * (field[Field.OTHER + Soil.DRAFT_SCALE] - own)

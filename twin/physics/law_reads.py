@@ -27,7 +27,7 @@ SLOTS = {
     "stress_peak_slip": (Soil.PEAK_SLIP,),
     "slip_sinkage": (Soil.SLIP_SINKAGE,),
 }
-"""Field of a scenario's soil -> what it sets of the block."""
+"""Field of a scenario's soil -> the numbers of the parameter block that it sets."""
 _TYPICAL = {
     Soil.FRICTION: 0.8, Soil.CONE_INDEX_KPA: 900.0, Soil.SLIP_RATE: 7.5, Soil.ROLLING_MOMENT: 0.04,
     Soil.MOBILITY_RESISTANCE: 1.0, Soil.DRAFT_SCALE: 0.7, Soil.K_C: 1e4, Soil.K_PHI: 1e6,
@@ -44,11 +44,14 @@ _POINTS = tuple(itertools.product((3e3, 3e4), (-0.3, 0.0, 0.05, 0.6), (0.0, 0.2)
 
 
 def fields_read(name: str) -> frozenset[str]:
-    """Fields of a soil, of those in `SLOTS`, that a user's law reads.
+    """The fields in `SLOTS` that a user's law reads.
 
-    A field is read if the text of the law's module names what it sets of the block, or if the law
-    says something else at some load and slip when that is a tenth less. A law that cannot be asked
-    is taken to read all.
+    A field is read if the text of the law's module contains the name of a number that the field
+    sets, or if the law's result changes at some load and slip when that number is a tenth less.
+    A law that cannot be called here is taken to read all.
+
+    Args:
+        name: the law, `module:function`.
 
     Raises:
         BadInput: there is no such law.

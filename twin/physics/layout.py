@@ -31,7 +31,7 @@ def struct(name: str) -> type[ctypes.Structure]:
 
 
 def offset(name: str, path: str) -> int:
-    """Byte offset of a field, by a dotted path for a nested struct ("opt.timestep")."""
+    """Byte offset of a field in the MuJoCo struct `name`; `path` is dotted, as "opt.timestep"."""
     kind = struct(name)
     total = 0
     for part in path.split("."):

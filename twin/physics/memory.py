@@ -61,13 +61,13 @@ double = _reader(
 
 @intrinsic
 def row(typing_context: Untyped, pointer: Untyped, count: Untyped) -> Untyped:
-    """The `count` numbers at a pointer as an array, as `numba.carray` gives with more code."""
+    """The `count` numbers at a pointer as an array: `numba.carray` in less machine code."""
     return _view(pointer.dtype, 1)(pointer, types.intp), _made
 
 
 @intrinsic
 def table(typing_context: Untyped, pointer: Untyped, rows: Untyped, columns: Untyped) -> Untyped:
-    """The numbers at a pointer as an array of rows."""
+    """The numbers at a pointer as an array of shape (rows, columns)."""
     return _view(pointer.dtype, 2)(pointer, types.intp, types.intp), _made
 
 

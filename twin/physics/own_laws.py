@@ -25,12 +25,12 @@ from twin.plugins.failing import WRITES
 from twin.plugins.lookup import words
 
 Function = Callable[..., Any]
-"""A law, as its kind's module describes it."""
+"""A law: a function as `twin.physics.laws` or `twin.physics.implement_laws` describes it."""
 
 
 @dataclass(frozen=True)
 class LawKind:
-    """One kind of law: what messages call it, its table, and how it becomes a C function."""
+    """One kind of law, soil or implement: its name in messages, its table, how it is compiled."""
 
     name: str
     table: NDArray[np.int64]
@@ -38,18 +38,18 @@ class LawKind:
     as_c: Callable[[Function], CFunc]
     """Compiles a law that numba knows to a C function."""
     read_only: str
-    """Why a law must not write to what it is given, and what would do."""
+    """Message for a law that writes to its arguments: why it must not, and what to do."""
     file: Path
     """The module that defines the interface: the number covers its text."""
     known: dict[int, tuple[Function, CFunc]] = field(default_factory=dict)
     """Number -> the law as given and as compiled; the table holds only addresses."""
 
     def register(self, function: Function, name: str) -> float:
-        """Compile a law and enter it in the table; its number, the same for the same source.
+        """Compile a law, enter it in the table and return its number, a hash of its source.
 
         Args:
             function: plain Python, or compiled by numba already.
-            name: what messages call it.
+            name: the law's name in messages.
 
         Raises:
             BadInput: the law is in no file, cannot be compiled, or the table is full.
@@ -63,7 +63,7 @@ class LawKind:
         return float(number)
 
     def enter(self, number: int, compiled: CFunc, name: str) -> None:
-        """Enter a compiled law in the table, in the place of one with its number.
+        """Enter a compiled law in the table; it replaces a law with the same number.
 
         Raises:
             BadInput: the table is full.

@@ -11,26 +11,29 @@ from twin.physics.ground import RIPPLE, ROCKS, node_value, random_field
 from twin.physics.shapes import Array, Vector, Vector2
 
 STARTING_MPS = 0.05
-"""Speed below which suction, and the drag of the depth wheel, fade [m/s]."""
+"""Speed below which the downward pull of the shares, and the depth wheel's drag, fade [m/s]."""
 LANDSIDE_ANGLE = 0.03
-"""Drift towards the land at which the landside force has doubled [rad]; assumed."""
+"""Angle between motion and heading, towards the land, that doubles the landside force [rad];
+assumed."""
 LIFTED_S = 0.05
-"""Time in which the soil before a lifted share is let go [s]."""
+"""Time constant with which the soil springs back before a lifted share [s]."""
 RIPPLE_PER_DEPTH = 0.75
 """Wave length of shear failure over the depth: 0.5 to 1 in the literature."""
 MEDIUM, COARSE = 0.70, 0.45
 """F of a mould-board plough on medium and coarse soil (ASABE D497)."""
 ROCK_CELL_M, ROCK_LENGTH_M = 10.0, 0.25
-"""A share's path is divided into cells that hold a rock or none; how long it takes to pass one."""
+"""Length of the cells along a share's path, each with one rock or none; length of a rock."""
 
 
 @law
 def soil_factor(plough: Array, draft_scale: float) -> float:
-    """F of ASABE D497 for a kind of implement, from the mould-board plough's on the same soil.
+    """Soil factor F of ASABE D497 for a kind of implement [-].
 
         F(1.00) = 1        F(0.70) = F_medium        F(0.45) = F_coarse
 
-    Linear between the soils, and on above the first; in proportion below the last.
+    The argument of F is `draft_scale`, the factor of a mould-board plough on the same soil. F is
+    linear between these three, goes on linearly above 1.00, and is in proportion below 0.45.
+    `plough` is the part of the parameter block (`Plough`).
     """
     medium, coarse = plough[Plough.FACTOR_MEDIUM], plough[Plough.FACTOR_COARSE]
     if medium == MEDIUM and coarse == COARSE:
@@ -44,12 +47,12 @@ def soil_factor(plough: Array, draft_scale: float) -> float:
 
 @law
 def draft_n(plough: Array, draft_scale: float, depth_m: float, speed_mps: float) -> float:
-    """Draft of one body or tool.
+    """Draft of one body or tool [N], ASABE D497.
 
-        D = F (A + B S + C S**2) W T      S in km/h, T in cm; W its width in m, or 1 for a tool
+        D = F (A + B S + C S**2) W T
 
-    ASABE D497. F is that of the implement's kind on a soil whose F for a mould-board plough is
-    draft_scale.
+    S is the speed in km/h, T the depth in cm, W the body's width in m, or 1 for a tool. F is
+    `soil_factor` of `draft_scale`, the factor of a mould-board plough on this soil.
     """
     speed_kmh = 3.6 * speed_mps
     specific = plough[Plough.DRAFT_A] + plough[Plough.DRAFT_B] * speed_kmh
@@ -60,9 +63,16 @@ def draft_n(plough: Array, draft_scale: float, depth_m: float, speed_mps: float)
 
 @law
 def draft_factor(field: Array, soil: Array, s_m: float, t_m: float, depth_m: float) -> float:
-    """Draft at a place over the mean draft: soil that differs, and shear failure that ripples.
+    """Ratio of the draft at a place to the mean draft: variable soil, periodic shear failure.
 
-    1 + cv f(s, t) + cv_ripple sqrt(2) sin(2 pi (s / lambda + phase(s, t)))
+        max(0.1, 1 + cv f(s, t) + cv_ripple sqrt(2) sin(2 pi (s / lambda + phase(s, t))))
+
+    f and phase are random fields; lambda is 0.75 of the depth.
+
+    Args:
+        field, soil: parts of the parameter block (`Field`, `Soil`).
+        s_m, t_m: the place, ground axes.
+        depth_m: depth of the share.
     """
     seed = field[Field.SEED]
     s, t = s_m + field[Field.ORIGIN_S_M], t_m + field[Field.ORIGIN_T_M]
@@ -77,10 +87,16 @@ def draft_factor(field: Array, soil: Array, s_m: float, t_m: float, depth_m: flo
 
 @law
 def rock_n(field: Array, soil: Array, s_m: float, t_m: float, share: int, width_m: float) -> float:
-    """Extra draft of a rock in a share's way: F sin(pi x / l)**2 while it passes.
+    """Extra draft while a share passes a rock [N]: F sin(pi x / l)**2, l the rock's length.
 
-    Rocks lie in cells of the share's lane, in each with the probability of its area: its length
-    times the width of the body.
+    A cell of the share's path has a rock with the probability of rocks per area x the cell's
+    length x `width_m`.
+
+    Args:
+        field, soil: parts of the parameter block (`Field`, `Soil`).
+        s_m, t_m: the share's place, ground axes.
+        share: number of the share.
+        width_m: width of one body.
     """
     density = soil[Soil.ROCKS_PER_M2]
     if density <= 0.0:
@@ -104,20 +120,22 @@ def rock_n(field: Array, soil: Array, s_m: float, t_m: float, share: int, width_
 def soil_before(
     stiffness_npm: float, draft: float, pressed: Vector2, velocity: Vector2, dt_s: float
 ) -> Vector2:
-    """How far a body has pressed the soil before it, at the end of a step; in the ground plane [m].
+    """Compression x of the soil before a body at the end of a step, in the ground plane [m].
 
-        dx/dt = v - |v| k x / D        so that k |x| = D while it moves, after a way of D / k
+        dx/dt = v - |v| k x / D        so that k |x| = D after a distance of some D / k
 
     Soil is a spring until it fails at the draft D: a standing plough sticks, and one that starts
-    finds its draft over a centimetre or two. Taken at the end of the step (implicit), which is
-    stable at any step.
+    reaches its draft over a centimetre or two. The step is implicit, so it is stable for any dt.
 
     Args:
         stiffness_npm: k.
-        draft: D of this body here and now [N].
+        draft: D, draft of this body at this place and time [N].
         pressed: x at the start of the step, ahead and towards the land.
         velocity: v of the body, in the same directions.
-        dt_s: the step.
+        dt_s: time step.
+
+    Returns:
+        x ahead and towards the land.
     """
     speed = math.sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1])
     if draft <= 0.0:
@@ -130,26 +148,27 @@ def soil_before(
 def share_force(
     plough: Array, draft: float, ratios: Vector2, pressed: Vector2, velocity: Vector
 ) -> tuple[Vector, float]:
-    """Soil force on one body, from how far it has pressed the soil before it.
+    """Soil force on one body, from the compression of the soil before it by `soil_before`.
 
         F_ahead = -k x        F_land = -k y - S clip(drift / angle, -1, 2)
         S       = r_s k max(x, 0)
         F_up    = -r_v k max(x, 0) V / sqrt(V**2 + (r_v v_up)**2 + v_0**2)
 
-    with drift = k y / D, which is v_land / v_ahead while it moves. Draft opposes the motion (the
-    landside's friction is a part of it); the mould-board pushes towards the land with S, against it
-    the landside with N = S (1 + drift / angle), between 0 and 3 S. The share draws itself down no
-    faster than it goes ahead, so that it takes energy however it moves.
+    with drift = k y / D, which is v_land / v_ahead in steady motion, V = sqrt(v_ahead**2 +
+    v_land**2), k the soil's stiffness, angle = LANDSIDE_ANGLE and v_0 = STARTING_MPS. Draft opposes
+    the motion; the landside's friction is a part of it. The mould-board pushes towards the land
+    with S, the landside away from it with N = S (1 + drift / angle), between 0 and 3 S. The
+    downward force takes no more power than the draft, so the body never gains energy.
 
     Args:
-        plough: its part of the block.
-        draft: D of this body here and now [N].
-        ratios: r_v and r_s, of the vertical and the side force over the draft.
+        plough: part of the parameter block (`Plough`).
+        draft: D, draft of this body at this place and time [N].
+        ratios: r_v and r_s, vertical force over draft and side force over draft.
         pressed: x and y, ahead and towards the land [m].
-        velocity: of the point where the force acts: ahead, towards the land, up.
+        velocity: v_ahead, v_land, v_up of the point where the force acts [m/s].
 
     Returns:
-        force (ahead, towards the land, up), landside_n.
+        force ahead, towards the land, up [N]; landside_n (N).
     """
     stiffness = plough[Plough.SOIL_STIFFNESS_NPM]
     if draft <= 0.0:
@@ -173,16 +192,22 @@ def share_force(
 def depth_wheel_force(
     plough: Array, spring: Vector, velocity: Vector, normal: Vector
 ) -> tuple[Vector, Vector, float]:
-    """Force on the depth wheel: its spring with a damper, and rolling resistance against its motion
+    """Force of the ground on the depth wheel: spring and damper, and rolling resistance.
+
+        N = max(0, |spring| - c v . n)        F = N n
+        drag = -rho N v_n / sqrt(|v_n|**2 + v_0**2)        v_n = v - (v . n) n
+
+    with the damping c and the resistance ratio rho of `plough`; v_0 is STARTING_MPS. All is 0 off
+    the ground.
 
     Args:
-        plough: its part of the block.
-        spring: force of its tyre's spring.
-        velocity: of the hub; world axes.
-        normal: unit vector along the spring's force.
+        plough: part of the parameter block (`Plough`).
+        spring: force of the tyre's spring [N], world axes.
+        velocity: v of the hub [m/s], world axes.
+        normal: n, unit vector along `spring`.
 
     Returns:
-        spring and damper, drag (world axes, tuples), load_n.
+        F and drag [N], world axes; load_n (N).
     """
     pushed = math.sqrt(rigid.dot(spring, spring))
     rising = rigid.dot(velocity, normal)

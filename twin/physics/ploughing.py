@@ -1,4 +1,10 @@
-"""What the soil does to an implement: its bodies and its depth wheel, pushed into the machine."""
+"""Soil forces on an implement's bodies and depth wheel, added to MuJoCo's passive forces.
+
+Arguments: `parameters` is the parameter block, `root` the implement's root body, `xpos`, `xmat`,
+`cvel`, `com` (subtree_com), `cdof`, `act`, `passive` (qfrc_passive) are fields of mjData, `nodes`
+is the model's hfield_data, `slots` and `powers` are the numbers by `MachineSlot` and `PowerSlot`,
+and `rates` the rates of `act`.
+"""
 
 from __future__ import annotations
 
@@ -36,12 +42,12 @@ def roll_depth_wheel(
     powers: Array,
     nodes: Array,
 ) -> tuple[Vector, Vector, Vector]:
-    """Force of the ground on the plough's depth wheel, its moment, and its drag; world axes.
+    """Force of the ground on the plough's depth wheel; adds its energy and powers.
 
-    The wheel stands upright whatever the plough does, so nothing turns it over.
+    The wheel is taken as upright on the ground, however the plough leans.
 
     Returns:
-        force, moment about the centre of mass that MuJoCo's velocities refer to, drag.
+        force with drag [N], its moment about subtree_com of `root` [N m], drag [N]; world axes.
     """
     field, plough = parameters[FIELD:SOIL], parameters[PLOUGH:]
     wheel, frame = int(parameters[Head.DEPTH_WHEEL_BODY]), int(parameters[Head.PLOUGH_BODY])
@@ -96,9 +102,11 @@ def pull_plough(
     here: Array,
     nodes: Array,
 ) -> None:
-    """Soil forces on the plough's bodies and its depth wheel.
+    """Add the soil forces on the plough's bodies and its depth wheel to `passive`; write the slots.
 
-    The drag of the depth wheel is a part of D497's implement draft, so the shares pull less by it.
+    D497's draft includes the drag of the depth wheel, so that drag is subtracted from the draft of
+    the bodies. `dof` is the last degree of freedom that moves the implement, `parent` the model's
+    dof_parentid, and `here` room for the soil at one place, overwritten.
     """
     field, soil = parameters[FIELD:SOIL], parameters[SOIL:WHEEL]
     plough, frame = parameters[PLOUGH:], int(parameters[Head.PLOUGH_BODY])

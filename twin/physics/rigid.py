@@ -1,4 +1,8 @@
-"""Vectors as tuples; points, velocities and forces in MuJoCo's com-based coordinates."""
+"""Vectors as tuples; points, velocities and forces from fields of mjData.
+
+`xpos`, `xmat`, `cvel` and `cdof` are fields of mjData, `com` is its subtree_com. `body` is a body's
+number, `root` that of the root of its kinematic tree: MuJoCo gives `cvel` and `cdof` at com[root].
+"""
 
 from __future__ import annotations
 
@@ -56,7 +60,7 @@ def row3(array: Array, i: int) -> Vector:
 
 @inlined_law
 def axis(xmat: Array, body: int, k: int) -> Vector:
-    """Axis k of a body's frame, in world coordinates."""
+    """Axis k (0, 1, 2) of a body's frame as a unit vector in world axes."""
     return (xmat[body, k], xmat[body, 3 + k], xmat[body, 6 + k])
 
 
@@ -87,10 +91,7 @@ def angular_velocity(cvel: Array, body: int) -> Vector:
 
 @inlined_law
 def point_velocity(cvel: Array, com: Array, body: int, root: int, point: Vector) -> Vector:
-    """Velocity of a world point that moves with a body.
-
-    `com` is subtree_com, `root` the tree's root.
-    """
+    """Velocity [m/s] of a point fixed to a body; `point` is its position in world coordinates."""
     linear = (cvel[body, 3], cvel[body, 4], cvel[body, 5])
     return plus(linear, cross(angular_velocity(cvel, body), minus(point, row3(com, root))))
 
@@ -107,9 +108,19 @@ def push(
     force: Vector,
     torque: Vector,
 ) -> None:
-    """Add a force at a world point and a torque to generalised forces, along the chain of dofs.
+    """Add a force at a point and a torque on a body to generalised forces.
 
-    q_j += w_j . (torque + (point - com) x force) + v_j . force
+        q_j += w_j . (torque + (point - com) x force) + v_j . force
+
+    for each degree of freedom j that moves the body, with its rotation w_j and translation v_j.
+
+    Args:
+        force_out: q, for instance qfrc_passive; added to.
+        cdof: w_j and v_j, (nv, 6).
+        parent: dof_parentid of the model.
+        last_dof: the last degree of freedom that moves the body; -1 for a fixed body.
+        com, root: see the module.
+        point, force, torque: world axes [m, N, N m].
     """
     moment = plus(torque, cross(minus(point, row3(com, root)), force))
     j = last_dof

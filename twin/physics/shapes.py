@@ -1,4 +1,4 @@
-"""Types of what the laws pass to each other."""
+"""Types of the arguments and results of the laws."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int32]
 """A field of mjModel that holds indices."""
 Forces = tuple[float, float, float, float, float]
-"""What a soil law gives: forces along and across, resistance [N], moment [N m], sinkage [m]."""
+"""Result of a soil law: shear along and across, resistance, rolling moment over the rolling radius
+[N], sinkage [m]."""
 Vector = tuple[float, float, float]
 """A vector in world axes."""
 Vector2 = tuple[float, float]
 """A vector in the ground plane."""
 Vector4 = tuple[float, float, float, float]
-"""What a tyre remembers, or its rates."""
+"""A tyre's activations, or their rates: deflection of the tread along and across [m], slip of the
+contact along and across [-]."""

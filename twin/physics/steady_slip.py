@@ -1,4 +1,4 @@
-"""Slip at which driven wheels hand a force on to the soil, in steady driving."""
+"""Slip at which the driven wheels transmit a force to the soil, in steady driving."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from twin.physics.laws import soil_forces
 from twin.physics.shapes import Array
 
 LEAST_SLIP, MOST_SLIP = -0.2, 0.95
-"""Between these the slip is sought."""
+"""Range in which the slip is searched [-]."""
 HALVINGS = 32
 
 
@@ -20,12 +20,12 @@ def slips(
     """Slip of the rear wheels at which the driven wheels transmit a force (bisection). Shape (n,).
 
     Args:
-        soil: its part of the parameter block.
-        wheels: of each wheel, front to rear, (4, Wheel.SIZE).
-        load_n: loads of one front and one rear wheel, standing.
-        lead: rim speed of the front over that of the rear, less 1; NaN where it is not driven.
-        height: height of the pull over the wheelbase.
-        force_n: at the rims, (n,).
+        soil: part of the parameter block (`Soil`).
+        wheels: parts of the parameter block in the order of `block.WHEELS`, (4, Wheel.SIZE).
+        load_n: loads of one front and one rear wheel at rest [N], (2,).
+        lead: front rim speed / rear rim speed - 1; NaN where the front axle is not driven.
+        height: height of the pull divided by the wheelbase, which moves load to the rear.
+        force_n: sum of axle torque / rolling radius over the driven wheels [N], (n,).
     """
     out = np.empty(len(force_n))
     for k in range(len(force_n)):

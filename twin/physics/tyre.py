@@ -21,7 +21,7 @@ SIGN_SPEED_MPS = 0.03
 
 A moment that would turn a light wheel back within a step changes its sign over more."""
 RADIUS_PER_DEFLECTION = 1.0 / 3.0
-"""Loss of rolling radius per deflection; a bias tyre's circumference shortens by a third of it."""
+"""Loss of rolling radius over deflection [-]; published for bias tyres."""
 LIFTED_S = 0.05
 """Time in which the deflections of a lifted wheel vanish [s]."""
 SLOWEST_MPS = 0.05
@@ -29,7 +29,8 @@ SLOWEST_MPS = 0.05
 LEAST_SLIP = 1e-7
 """Slip at which the law's secant is taken where there is none [-]."""
 LEAST_SINE = 1e-6
-"""Of the angle between axle and ground normal, below which a wheel has no way ahead."""
+"""Least sine of the angle between axle and ground normal: below it a wheel has no rolling
+direction."""
 
 
 @inlined_law
@@ -49,27 +50,27 @@ def relaxed_shear(
     tread: Vector4,
     dt_s: float,
 ) -> tuple[float, float, float, float, float, Vector4, float]:
-    """Forces of a tyre whose tread is sprung on its carcass, and the rates of what it remembers.
+    """Forces of a tyre whose tread is sprung on its carcass, and the rates of its activations.
 
         F = K u + N d du/dt                du/dt = v - V K u / C        C = law(s) / s
         v = (w R - v_x, -v_y)              ds/dt = (v - V s) / L        V = max(|w R|, |v_x|, |v_y|)
 
-    u are the deflections, s the slip that the contact has come to over its relaxation length L, by
-    which the law is asked. The springs K are constant (`twin.machine.tread`); C is the law's
-    secant along and across. In steady state s = v / V and K u = law(s); after a small change of
-    slip u follows over the way C / K, which falls as slip grows. At rest u is a spring, so a
-    parked wheel sticks. Both are taken at the end of the step (implicit). |K u| never exceeds N mu,
-    or the law's own force where that is more. What is lost is K u . V K u / C, never negative, so
-    the pair returns no more than it was given. The law is asked for a wheel that rolls forwards;
-    one that rolls backwards has its forces turned round. Pacejka 2012, Tire and Vehicle Dynamics,
-    section 7.2.1, with the law's secant for his cornering stiffness.
+    u is the deflection of the tread. s is the slip of the contact, which lags over the relaxation
+    length L; the soil law is evaluated at s. The springs K are constant (`twin.machine.tread`); C
+    is the law's secant along and across. In steady state s = v / V and K u = law(s); after a small
+    change of slip u follows over the distance C / K, which falls as slip grows. At rest u is a
+    spring, so a parked wheel sticks. Both steps are implicit. |K u| never exceeds N mu, or the
+    law's force where that is more. The power lost is K u . V K u / C, never negative, so springs
+    and contact never add energy. The law is evaluated for a wheel that rolls forwards; for one
+    that rolls backwards its forces change sign. Pacejka 2012, Tire and Vehicle Dynamics, section
+    7.2.1, with the law's secant for his cornering stiffness.
 
     Args:
-        soil, wheel: parts of the block.
+        soil, wheel: parts of the parameter block (`Soil`, `Wheel`).
         load_n: N.
         spin_mps, roll_mps, side_mps: w R, v_x, v_y.
         tread: u along and across [m], s along and across [-].
-        dt_s: the step.
+        dt_s: time step.
 
     Returns:
         shear_x_n, shear_y_n, resistance_n, rolling_moment_n, sinkage_m, rates of `tread`,
@@ -114,7 +115,10 @@ def not_zero(slip: float) -> float:
 
 @inlined_law
 def way_ahead(axle: Vector, normal: Vector) -> Vector:
-    """Unit vector in the ground along which a wheel rolls: (c x n) / |c x n|."""
+    """Unit vector in the ground's plane along which a wheel rolls: (c x n) / |c x n|.
+
+    c is the axle, n the ground's normal. 0 where they are parallel.
+    """
     across = rigid.cross(axle, normal)
     return rigid.scaled(1.0 / max(math.sqrt(rigid.dot(across, across)), LEAST_SINE), across)
 
@@ -142,12 +146,22 @@ def roll_wheel(
         N = |F_1 + F_2| + d_1 + d_2        d_i = -c/2 n . v_i, no ring pulls
 
     F_i are the springs of the two rings (`twin.physics.contact`), n the direction of their sum,
-    v_i the velocity of each ring's lowest point. Shear acts where the tread meets the ground, P,
-    and its lateral slip is the velocity of P: of the tread, not of the hub. Along the wheel its arm
-    is the rolling radius. Motion resistance acts at the hub, against the hub's velocity.
+    v_i the velocity of each ring's lowest point, c the wheel's damping. Shear acts where the tread
+    meets the ground; its lateral slip is the velocity of the tread there, not of the hub. Its lever
+    arm about the axle is the rolling radius. Motion resistance acts at the hub, against the hub's
+    velocity.
+
+    Args:
+        field, soil, wheel: parts of the parameter block.
+        xpos, xmat, cvel, com, root: as in `twin.physics.rigid`.
+        act: mjData's activations.
+        dt_s: time step.
+        slots, rates, powers: written: `WheelSlot` numbers, rates of `act`, `PowerSlot` numbers.
+        here: room for the soil at the wheel's place, overwritten.
+        nodes: the model's hfield_data.
 
     Returns:
-        force, torque: world axes, tuples; zero for a lifted wheel.
+        force [N], torque [N m]: world axes; zero for a lifted wheel.
     """
     body, tyre = int(wheel[Wheel.BODY]), int(wheel[Wheel.TYRE])
     hub, axle = rigid.row3(xpos, body), rigid.axis(xmat, body, 1)
@@ -287,17 +301,20 @@ def damped(
     velocity: Vector,
     turning: Vector,
 ) -> tuple[float, Vector, float]:
-    """Damper of one ring, along the normal at its lowest point; it never pulls more than pushed.
+    """Damper force of one ring along the normal; with the spring's force it never pulls.
 
     Args:
         pushed_n: size of the ring's spring force.
-        damping_nspm: of this ring.
-        tread, aside_m: its lowest point from the hub, without and along the axle.
-        axle, normal: of the wheel, and of the ground.
-        velocity, turning: of the hub, and the wheel's rate of turning without its spin.
+        damping_nspm: damping of this ring.
+        tread, aside_m: the ring's lowest point from the hub: its part across the axle, and its
+            distance along the axle.
+        axle, normal: unit vectors of the wheel's axle, and of the force on the ground.
+        velocity: velocity of the hub [m/s].
+        turning: angular velocity of the wheel without its spin about the axle [rad/s].
 
     Returns:
-        force_n along the normal (negative while the ring springs back), moment, power_w taken.
+        force_n along the normal (negative while the ring springs back), moment about the hub [N m],
+        power_w taken from the machine.
     """
     if pushed_n <= 0.0:
         return 0.0, (0.0, 0.0, 0.0), 0.0
@@ -309,5 +326,5 @@ def damped(
 
 @inlined_law
 def without(vector: Vector, axle: Vector) -> Vector:
-    """The part of a moment across the axle: v - (v . c) c."""
+    """The part of a vector v across the axle c: v - (v . c) c."""
     return rigid.minus(vector, rigid.scaled(rigid.dot(vector, axle), axle))

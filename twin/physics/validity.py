@@ -1,4 +1,4 @@
-"""Where the soil laws were measured: what a wheel on a soil asks of them beyond that."""
+"""Whether a wheel on a soil is inside the range in which the soil's law was measured."""
 
 from __future__ import annotations
 
@@ -16,19 +16,20 @@ SLENDERNESS = (0.1, 0.7)
 DEFLECTION_RATIO = (0.10, 0.30)
 """delta / h of them [-]."""
 DEEP = 0.25
-"""Sinkage over diameter beyond which Bekker's plate is a poor likeness of a wheel [-]; assumed."""
+"""Sinkage over diameter beyond which Bekker's plate is a poor model of a wheel [-]; assumed."""
 NARROW_M = 0.05
 """Contact shorter or narrower than this is too small for k_c / b + k_phi; Wong 2008, chapter 2."""
 
 
 def outside_validity(soil: Array, wheel: Array, load_n: float) -> tuple[str, ...]:
-    """What lies outside the range of the soil's law, one sentence each; empty when nothing does.
+    """Messages on what lies outside the range of the soil's law, one sentence each.
 
-    Brixius: W / (b d), b / d, delta / h. Bekker: the sinkage at rest, and the contact's size.
-    A user's own law is not judged.
+    Brixius: W / (b d), b / d and delta / h, with the load W, the tyre's width b and diameter d, and
+    its deflection delta over its section height h. Bekker: the sinkage at rest, and the contact's
+    size. There is no message for a user's own law.
 
     Args:
-        soil, wheel: parts of the block.
+        soil, wheel: parts of the parameter block (`Soil`, `Wheel`).
         load_n: load of the wheel.
     """
     law = int(soil[Soil.LAW])

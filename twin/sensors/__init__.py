@@ -1,4 +1,4 @@
-"""Sensors: from a part of a trajectory to the samples that a real machine's sensors would give.
+"""Sensors: from a part of the true trajectory to the samples that real sensors would give.
 
 `camera`, `depth`, `gnss`, `imu`, `machine` and `wheels` each define one sensor: a frozen
 configuration, `init(config, seed, start_ns) -> state` and

@@ -28,14 +28,14 @@ if TYPE_CHECKING:  # the renderer is heavy, and only there where a camera is fit
 
 NORMAL = "ground_normal_w"
 POSE = ("position_w", "world_from_body", "velocity_w", "gyro_b")
-"""What a frame is rendered from, beside the ground's normal; part of no stream."""
+"""Trajectory columns from which a frame is rendered; not part of the stream."""
 SHOWN, HALVED = "shown", "halved"
-"""Number of the frame whose picture comes, DARK for none, and 1 at half the resolution; hidden too.
-What goes wrong with a camera changes them (`twin.sensors.faults`)."""
+"""Columns that camera faults change, not part of the stream: number of the frame whose image is
+shown (DARK for a black one), and 1 where the image has half the resolution."""
 DARK = -1
 CONTRACT = ("epoch_ns", "arrival_ns", "frame")
 ODOMETRY = ("phase-ecc", "orb-similarity", "orb-printed", "none")
-"""What may turn the frames into velocities on board."""
+"""Methods by which the camera's computer turns frames into velocities."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,9 +45,9 @@ class Camera:
     rate_hz: Annotated[float, Range(1, 500)] = 30.0
     """Frames per second, Hz."""
     width_px: Annotated[int, Range(32, 4096)] = 1280
-    """Across the direction of travel, px."""
+    """Size of the sensor across the direction of travel, px."""
     height_px: Annotated[int, Range(32, 4096)] = 800
-    """Along it, px."""
+    """Size of the sensor along the direction of travel, px."""
     binning: Annotated[int, Range(1, 16)] = 1
     """Side of the squares of pixels that are averaged, px; a frame is width_px / binning wide."""
     field_of_view_deg: Annotated[float, Range(5, 90)] = 53.0
@@ -61,26 +61,26 @@ class Camera:
     gain: Annotated[float, Range(0, 100)] = 1.0
     """Amplification."""
     full_well_e: Annotated[float, Range(100, 1e6)] = 10_000.0
-    """Electrons of a pixel at full scale; small industrial sensors hold 5000 to 15000."""
+    """Electrons of a pixel at full scale; 5000 to 15000 in small industrial sensors."""
     read_noise_e: Annotated[float, Range(0, 1000)] = 8.0
     """Noise of reading a pixel, electrons; CMOS 2 to 15."""
     vignetting: Annotated[float, Range(0, 1)] = 1.0
     """Share of the cos^4 fall-off towards the corners."""
     latency_s: Annotated[float, Range(0, 1)] = 0.025
-    """From the middle of the exposure to arrival, s; read-out and transfer of a USB camera."""
+    """Time from the middle of the exposure to arrival, s; read-out and transfer over USB."""
     latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.002
     """Random part of the latency: this times |N(0, 1)|, s."""
     loss_chance: Annotated[float, Range(0, 1)] = 0.0
-    """Share of the frames that are lost on the way; their number is then missing."""
+    """Share of the frames that are lost in transfer; the stream skips their numbers."""
     mount_yaw_sd_rad: Annotated[float, Range(0, 0.2)] = radians(1.0)
-    """sd of the true mounting's random yaw, constant over a run, rad."""
+    """sd of the mounting's random yaw error, constant over a run, rad."""
     mount_tilt_sd_rad: Annotated[float, Range(0, 0.1)] = radians(0.3)
-    """sd of its random roll and pitch, constant over a run, rad."""
+    """sd of the mounting's random roll and pitch errors, constant over a run, rad."""
     odometry: str = "phase-ecc"
-    """What turns frames into velocities on board: phase-ecc, orb-similarity, orb-printed; with none
-    the estimators are given the frames themselves."""
+    """Method that turns frames into velocities: phase-ecc, orb-similarity or orb-printed; with none
+    the estimators get the frames themselves."""
     processing_s: Annotated[float, Range(0, 1)] = 0.015
-    """From a frame's arrival to its velocity's, s."""
+    """Time from a frame's arrival to the arrival of its velocity, s."""
 
     def __post_init__(self) -> None:
         check_fields("camera", self)
@@ -96,7 +96,7 @@ class Camera:
 
     @property
     def lens(self) -> Pinhole:
-        """The pinhole it is, in pixels of its frames."""
+        """The camera as a pinhole model, in pixels of its frames (after binning)."""
         width, height = self.width_px // self.binning, self.height_px // self.binning
         focal = focal_px(width, radians(self.field_of_view_deg))
         return Pinhole(width_px=width, height_px=height, focal_px=focal)
@@ -117,7 +117,7 @@ class CameraState:
 
 
 def init(config: Camera, seed: int, start_ns: int) -> CameraState:
-    """The camera at the start of a run. One film renders all its frames."""
+    """State of the camera at the start of a run."""
     return CameraState(
         seed=seed,
         film=film(config, seed),
@@ -130,7 +130,7 @@ def init(config: Camera, seed: int, start_ns: int) -> CameraState:
 
 
 def sample(config: Camera, state: CameraState, chunk: Trajectory) -> tuple[CameraState, Table]:
-    """The frames of the chunk: stamps and numbers, and beside them the true poses (`POSE`).
+    """Frames of the chunk: stamps, numbers and true poses (`POSE`), without images.
 
     The epoch is the middle of the exposure. `drawn` renders images from the poses, `stream_table`
     keeps the columns that an estimator may see.
@@ -155,7 +155,11 @@ def stream_table(table: Table) -> Table:
 
 
 def film(config: Camera, seed: int, drawn_by: Renderer | None = None) -> Film:
-    """Renderer and noise model of this camera's frames over the ground of a seed, for one run."""
+    """Film (renderer and noise model) of the camera for one run.
+
+    `seed` sets the texture of the ground and the noise; `drawn_by` is a renderer to use, None for
+    a new one.
+    """
     from twin.camera.frames import Film
     from twin.camera.image import Sensitivity
 
@@ -175,8 +179,8 @@ def drawn(config: Camera, seed: int, film: Film, table: Table) -> DrawnFrames:
 
     Args:
         config: the camera.
-        seed: the run's seed; it sets the random mounting error.
-        film: renderer and noise model.
+        seed: the run's seed, which sets the random mounting error.
+        film: renderer and noise model, made by `film` with the same seed.
         table: frames with their true poses.
     """
     from twin.camera.frames import DrawnFrames, Shot
@@ -196,9 +200,9 @@ def drawn(config: Camera, seed: int, film: Film, table: Table) -> DrawnFrames:
 
 
 def body_from_camera(config: Camera, seed: int) -> Array:
-    """Rotation matrix of the true mounting, shape (3, 3).
+    """Matrix that rotates camera axes to body axes, with the true mounting error. Shape (3, 3).
 
-    It is the nominal one turned by a random roll, pitch and yaw, which the seed sets.
+    The nominal mounting is turned by a random roll, pitch and yaw, which the seed sets.
     """
     roll, pitch, yaw = generator(seed, "camera", "mounting").standard_normal(3)
     tilt = config.mount_tilt_sd_rad
@@ -231,7 +235,7 @@ def _view(config: Camera, mounted: Array, at: Table) -> View:
 
 
 def frames(config: Camera, state: CameraState, table: Table) -> DrawnFrames:
-    """Images of the frames of a table that `sample` returned, by the state's own film."""
+    """Images of the frames of a table that `sample` returned, by the film in `state`."""
     return drawn(config, state.seed, state.film, table)
 
 
@@ -242,7 +246,7 @@ def stream(config: Camera, seed: int, trajectory: Trajectory) -> Streams:
 
 
 def setup(config: Camera) -> CameraSetup:
-    """Set-up of the camera for estimators: nominal values alone."""
+    """Set-up of the camera for estimators: nominal values, no true errors."""
     return CameraSetup(
         rate_hz=config.rate_hz,
         width_px=config.lens.width_px,

@@ -1,4 +1,4 @@
-"""The range in which a field means something, which stands on the field itself:
+"""The range of valid values of a field, written in the field's type:
 
 `speed_sd_mps: Annotated[float, Range(0, 1)] = 0.05`.
 """
@@ -24,9 +24,9 @@ def check_fields(prefix: str, config: object, *, given_only: bool = False) -> No
     """Raise OutOfRange unless every field with a Range (each element of a tuple) lies in it.
 
     Args:
-        prefix: what messages put before a field's name; nothing where empty.
-        config: a dataclass.
-        given_only: leave out what is None.
+        prefix: name of the table, which messages put before the field's name; may be empty.
+        config: a dataclass instance.
+        given_only: skip fields that are None.
     """
     kind: type = type(config)
     for name, allowed in _ranges(kind).items():

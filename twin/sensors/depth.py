@@ -27,14 +27,14 @@ class Depth:
     laser_sd_m: Annotated[float, Range(0, 0.1)] = 0.003
     """White noise of the range, m; 1 to 3 mm for industrial triangulation and time of flight."""
     clod_sd_m: Annotated[float, Range(0, 0.1)] = 0.004
-    """sd of the surface the spot falls on about the mean ground, m; makes 5-10 mm of depth error
+    """sd of the surface under the laser spot about the mean ground, m; makes 5-10 mm of depth error
     together with the inclinometer."""
     clod_length_m: Annotated[float, Range(1e-3, 10)] = 0.1
     """Correlation length of that surface along the path, m; assumed, the size of a clod."""
     inclinometer_sd_rad: Annotated[float, Range(0, 0.1)] = radians(0.2)
     """White noise of the inclination, rad; 0.1-0.3 deg."""
     latency_s: Annotated[float, Range(0, 1)] = 0.005
-    """From measuring to arrival, s."""
+    """Time from measuring to arrival, s."""
     latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.0005
     """Random part of the latency: this times |N(0, 1)|, s."""
     laser_bias_m: Annotated[float, Range(-0.5, 0.5)] = 0.0
@@ -59,7 +59,7 @@ class DepthState:
 
 
 def init(config: Depth, seed: int, start_ns: int) -> DepthState:
-    """The depth sensor at the start of a run."""
+    """State of the depth sensor at the start of a run."""
     return DepthState(
         reader=reader(start_ns, config.rate_hz),
         arrival_ns=start_ns,
@@ -73,12 +73,12 @@ def init(config: Depth, seed: int, start_ns: int) -> DepthState:
 
 
 def sample(config: Depth, state: DepthState, chunk: Trajectory) -> tuple[DepthState, Table]:
-    """Range and inclination of the chunk.
+    """Samples of laser range and inclination in the chunk.
 
         laser       = true range + bias + clods(path) + white
         inclination = true inclination + bias + white
 
-    The clods are a Gauss-Markov process along the path, so they stand still with the machine.
+    clods is a Gauss-Markov process along the path: it is constant while the machine stands.
     """
     names = ("laser_m", "inclination_rad", "velocity_w")
     position, epoch_ns, at = read(state.reader, chunk, names)

@@ -1,6 +1,6 @@
-"""Scheduled faults of the sensors' wires, counters and clocks: what a real log has on a bad day.
+"""Scheduled faults of the sensors' wires, counters and clocks, as they occur in real logs.
 
-What a receiver's antennas see (corrections, foil, sky) is `twin.sensors.fix`'s.
+Faults of GNSS reception (corrections, masked or blocked sky) are in `twin.sensors.fix`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Fault:
     kind: str
     """One of twin.sensors.faults.KINDS."""
     start_s: float
-    """From the start of the run [s]."""
+    """Start of the fault, from the start of the run [s]."""
     duration_s: float
     """Duration of the fault [s]."""
 
@@ -40,7 +40,7 @@ class Fault:
 
 Mask = NDArray[np.bool_]
 Held = dict[str, State]
-"""What a fault remembers from chunk to chunk."""
+"""State of a fault from chunk to chunk."""
 Change = Callable[[Table, Mask, Held], Table]
 
 
@@ -147,20 +147,20 @@ KINDS: dict[str, tuple[str, str, Change]] = {
     "camera-dropout": ("camera", "no frame arrives", _dropped),
     "camera-half": ("camera", "frames of half the resolution", _halved),
 }
-"""Fault -> the stream it is in, what it is, and what it does to that stream's samples."""
+"""Kind of fault -> its stream, its description, and the function that changes the samples."""
 
 
 def fail(
     faults: Sequence[Fault], stream: str, table: Table, start_ns: int, held: Mapping[int, Held]
 ) -> tuple[Table, dict[int, Held]]:
-    """A stream's samples as its faults leave them, and what the faults remember.
+    """Apply the faults to a stream's samples; return the samples and the states of the faults.
 
     Args:
-        faults: of the whole suite, in the order in which they act.
-        stream: name of the stream.
-        table: its samples in a chunk.
-        start_ns: instant from which the faults count.
-        held: what they remembered before, by their number.
+        faults: all faults of the run, in the order in which they are applied.
+        stream: name of the stream; faults of other streams are skipped.
+        table: the stream's samples in a chunk.
+        start_ns: instant from which `start_s` of the faults counts.
+        held: states of the faults after the last chunk, by their index in `faults`.
     """
     after = {i: dict(memory) for i, memory in held.items()}
     for i, fault in enumerate(faults):

@@ -1,7 +1,7 @@
-"""The IMU's anti-alias filter: a digital Butterworth low-pass that carries its state.
+"""The IMU's anti-alias filter: a digital Butterworth low-pass with an explicit state.
 
-It is written out here because importing scipy.signal takes longer than a short run; the tests hold
-it against scipy's.
+It is written out here because importing scipy.signal takes longer than a short run; the tests
+compare it with scipy's.
 """
 
 from __future__ import annotations
@@ -19,8 +19,9 @@ def low_pass(order: int, cut_hz: float, rate_hz: float) -> Array:
         w = 4 tan(pi f / rate),  p_m = -w exp(i pi m / 2 N),  m = -N + 1, -N + 3, ... N - 1
         z_m = (4 + p_m) / (4 - p_m),  gain = w**N / prod(4 - p_m)
 
-    by the bilinear transform; poles near the unit circle come last, and the first section has the
-    gain. Source: Oppenheim and Schafer, Discrete-Time Signal Processing, 7.1.
+    by the bilinear transform, with f = `cut_hz` (-3 dB), rate = `rate_hz` and N = `order`. Poles
+    near the unit circle come last, and the first section has the gain. Source: Oppenheim and
+    Schafer, Discrete-Time Signal Processing, 7.1.
     """
     warped = 4.0 * math.tan(math.pi * (cut_hz / (0.5 * rate_hz)) / 2.0)
     m = np.arange(-order + 1, order, 2)
@@ -38,11 +39,11 @@ def low_pass(order: int, cut_hz: float, rate_hz: float) -> Array:
 
 
 def group_delay_s(sections: Array, rate_hz: float) -> float:
-    """Delay of a slow signal, the group delay at zero frequency.
+    """Delay of a slow signal: the filter's group delay at zero frequency [s].
 
         d = sum over sections of (sum k b_k / sum b_k - sum k a_k / sum a_k) / rate
 
-    A Butterworth's delay grows towards its cut; by 6 % at a third of it for order 4.
+    A Butterworth filter's delay grows towards its cut-off; by 6 % at a third of it for order 4.
     """
     k = np.arange(3.0)
     samples = 0.0
@@ -53,7 +54,7 @@ def group_delay_s(sections: Array, rate_hz: float) -> float:
 
 
 def settled(sections: Array, value: Array) -> Array:
-    """Filter state after an endless constant input, shape (sections, 2, m).
+    """Filter state after a constant input `value` (m,) of infinite length. Shape (sections, 2, m).
 
     z = A z + B with A the transposed companion matrix of a, and B_k = b_k - a_k b_0.
     """
@@ -66,9 +67,9 @@ def settled(sections: Array, value: Array) -> Array:
 
 
 def filtered(sections: Array, state: Array, x: Array) -> tuple[Array, Array]:
-    """The filter's state after x and its output; x and output of shape (n, m).
+    """State of the filter after the input x (n, m), and its output (n, m).
 
-    It works sample by sample, so cutting x anywhere changes no bit (tested).
+    It works sample by sample, so the output is the same bit for bit however x is cut (tested).
     """
     from twin.sensors.sections import run_sections  # late: numba is slow to import
 

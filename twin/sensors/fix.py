@@ -1,11 +1,11 @@
-"""What a receiver can solve at each instant of a run, given the faults that are scheduled.
+"""Solution mode of the GNSS receiver at each instant of a run, given its scheduled outages.
 
     corrections lost:  fixed -> extrapolated (10 s) -> float (20 s) -> single | float -> fixed
     sky masked:        fixed -> float (20 s) -> single | float -> fixed
     sky blocked:       fixed -> none | single (1 s) -> float -> fixed
 
-where | is the end of the fault and the last float lasts 5 to 30 s, drawn once per fault.
-The sequence is known when the seed is, so the mode is a function of time alone.
+where | is the end of the outage, and the last float lasts 5 to 30 s, drawn once per outage from the
+seed. So for one seed the mode is a function of time.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ KINDS = ("corrections", "mask", "mask-aux", "block")
 EXTRAPOLATED_S = 10.0
 """Time for which a receiver extrapolates its last corrections, s."""
 FLOAT_S = 20.0
-"""Time for which it then holds a float solution, s; errors are metres at an age of 30 s."""
+"""Time for which it then keeps a float solution, s; errors are metres at an age of 30 s."""
 SINGLE_S = 1.0
-"""From the sky's return to the first float solution, s."""
+"""Time from the end of a blocked sky to the first float solution, s."""
 REFIX_S = (5.0, 30.0)
 """Shortest and longest time from corrections' return to a fixed solution, s."""
 
@@ -48,7 +48,7 @@ class Mode(IntEnum):
 
 
 QUALITY = np.array([4, 4, 5, 1, 0], np.int64)
-"""NMEA GGA quality by mode; a receiver that extrapolates still says fixed."""
+"""NMEA GGA quality by mode; while it extrapolates, a receiver still reports fixed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +56,7 @@ class Outage:
     """A scheduled fault of GNSS reception."""
 
     start_s: float
-    """From the start of the run, s."""
+    """Start of the outage, from the start of the run, s."""
     duration_s: float
     """Duration of the outage, s."""
     kind: Kind = "corrections"
@@ -71,20 +71,20 @@ class Outage:
 
     @property
     def end_s(self) -> float:
-        """When it ends, from the start of the run, s."""
+        """End of the outage, from the start of the run, s."""
         return self.start_s + self.duration_s
 
 
 @dataclass(frozen=True, kw_only=True)
 class Timeline:
-    """The mode in force from each instant on."""
+    """The k phases of a run, each with one mode."""
 
     start_s: Array
-    """Shape (k,), ascending; the first is -inf."""
+    """Start of each phase, from the start of the run; ascending, the first is -inf. Shape (k,)."""
     mode: NDArray[np.int64]
-    """Shape (k,)."""
+    """`Mode` of each phase. Shape (k,)."""
     drift_mps: Array
-    """Rate at which the extrapolated error grows, east north up, shape (k, 3)."""
+    """Rate at which the extrapolated error grows, east north up. Shape (k, 3)."""
 
     def at(self, time_s: Array) -> tuple[NDArray[np.int64], Array, Array]:
         """Mode, age of the mode [s] and drift [m/s] at each time; shapes (n,), (n,), (n, 3)."""
@@ -94,7 +94,7 @@ class Timeline:
 
 
 def check_outages(outages: Sequence[Outage]) -> None:
-    """Raise BadInput unless the faults follow one another without overlap."""
+    """Raise BadInput unless the outages are in order and do not overlap."""
     for before, after in pairwise(outages):
         if after.start_s < before.end_s:
             raise BadInput(
@@ -104,9 +104,10 @@ def check_outages(outages: Sequence[Outage]) -> None:
 
 
 def timeline(outages: Sequence[Outage], drift_sd_mps: Array, rng: Generator) -> Timeline:
-    """The modes of a run; a new fault cuts the recovery from the last one short.
+    """The modes of a run; a new outage ends the recovery from the last one.
 
-    Draws one re-fix time and one drift per fault, whatever its kind.
+    One re-fix time and one drift are drawn from `rng` per outage, whatever its kind. `drift_sd_mps`
+    is the sd of the drift, east north up, (3,).
     """
     segments: list[tuple[float, Mode, Array]] = [(-np.inf, Mode.FIXED, np.zeros(3))]
     for outage in outages:
@@ -146,7 +147,7 @@ def _sequence(outage: Outage, refix_s: float) -> Iterator[tuple[float, Mode]]:
 
 
 def active(outages: Sequence[Outage], kinds: Sequence[Kind], time_s: Array) -> NDArray[np.bool_]:
-    """Whether a fault of one of the kinds is in force at each time, shape (n,)."""
+    """Whether an outage of one of the kinds is in force at each of n times. Shape (n,)."""
     inside = np.zeros(len(time_s), bool)
     for outage in outages:
         if outage.kind in kinds:

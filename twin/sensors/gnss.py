@@ -40,7 +40,7 @@ class Gnss:
     rate_hz: Annotated[float, Range(0.1, 100)] = 20.0
     """Output rate, Hz."""
     latency_s: Annotated[float, Range(0, 5)] = 0.05
-    """From the epoch to arrival, s; 20 ms in a low-latency mode, up to 0.5 s synchronous."""
+    """Time from the epoch to arrival, s; 20 ms in a low-latency mode, up to 0.5 s synchronous."""
     latency_jitter_s: Annotated[float, Range(0, 1)] = 0.002
     """Random part of the latency: this times |N(0, 1)|, s."""
     white_sd_m: Annotated[float, Range(0, 10)] = 0.004
@@ -53,23 +53,23 @@ class Gnss:
     vertical_factor: Annotated[float, Range(0, 10)] = 2.0
     """Vertical error over horizontal error."""
     velocity_sd_mps: Annotated[float, Range(0, 10)] = 0.03
-    """White noise of the Doppler velocity in motion, m/s; 0.02-0.04."""
+    """sd of the white noise of the Doppler velocity in motion, m/s; 0.02-0.04."""
     rest_velocity_sd_mps: Annotated[float, Range(0, 10)] = 0.0031
-    """Noise of the Doppler velocity at rest, m/s; never above that in motion. Measured: on a
-    tractor that stands, its engine off or on, a receiver shows a speed of 3.7 mm/s in the median
-    and 9 mm/s in the 99th percentile: 1.18 and 3.03 times the sd of a Rayleigh distribution."""
+    """sd of the noise of the Doppler velocity at rest, m/s; at most that in motion is used.
+    Measured: on a standing tractor, its engine off or on, a receiver shows a speed of 3.7 mm/s in
+    the median and 9 mm/s in the 99th percentile: 1.18 and 3.03 sd of a Rayleigh distribution."""
     rest_velocity_tau_s: Annotated[float, Range(0.01, 1e5)] = 1.3
-    """Correlation time of the noise at rest, s; measured: 0.47 is left after 1 s."""
+    """Correlation time of the velocity noise at rest, s; measured: a correlation of 0.47 at 1 s."""
     heading_sd_rad_m: Annotated[float, Range(0, 1)] = radians(0.2)
     """Noise of the heading times the length of the baseline, rad m; 0.1-0.2 deg at 1 m."""
     extrapolation_sd_mps: Annotated[float, Range(0, 1)] = 0.01
-    """Growth of the error without corrections, m/s: 1 cm per second of age."""
+    """sd of the rate at which the error grows without corrections, m/s: 1 cm per second of age."""
     float_sd_m: Annotated[float, Range(0, 10)] = 0.35
-    """Error of a float solution, m; 0.2-0.5."""
+    """sd of the error of a float solution, m; 0.2-0.5."""
     float_tau_s: Annotated[float, Range(0.01, 1e5)] = 60.0
     """Time constant T of the float error, s, 30-100; its correlation is (1 + t/T) exp(-t/T)."""
     single_sd_m: Annotated[float, Range(0, 100)] = 1.5
-    """Error of a single-point solution, m; 0.4-2.5."""
+    """sd of the error of a single-point solution, m; 0.4-2.5."""
     single_tau_s: Annotated[float, Range(0.01, 1e5)] = 120.0
     """Time constant T of the single-point error, s. Measured on a parked tractor, each axis:
     0.16 m of change in 10 s and 0.6 m in 60 s."""
@@ -78,17 +78,17 @@ class Gnss:
     satellites_main: Annotated[float, Range(0, 100)] = 28.0
     """Mean number of satellites used by the main antenna."""
     satellites_aux: Annotated[float, Range(0, 100)] = 26.0
-    """Mean number used by the auxiliary antenna."""
+    """Mean number of satellites used by the auxiliary antenna."""
     satellites_masked: Annotated[float, Range(0, 100)] = 6.0
-    """Mean number used by a masked antenna."""
+    """Mean number of satellites used by a masked antenna."""
     heading_bias_rad: Annotated[float, Range(-0.5, 0.5)] = 0.0
     """True error of the baseline's mounting angle, rad."""
     heading_bias_sd_rad: Annotated[float, Range(0, 0.5)] = radians(0.1)
-    """sd of a further such error, drawn once from the seed, rad."""
+    """sd of a random error of that angle, drawn once from the seed and added, rad."""
     lever_arm_error_m: Annotated[tuple[float, float, float], Range(-5, 5)] = (0.0, 0.0, 0.0)
     """True position of the antennas less the one in the set-up, body axes, m."""
     outages: tuple[Outage, ...] = ()
-    """Scheduled faults, one after the other."""
+    """Scheduled outages, in order and without overlap."""
 
     def __post_init__(self) -> None:
         check_fields("gnss", self)
@@ -96,7 +96,7 @@ class Gnss:
 
     @property
     def position_sd_m(self) -> float:
-        """Error of a fixed position per horizontal axis, m."""
+        """sd of a fixed position per horizontal axis, white and coloured part together, m."""
         return hypot(self.white_sd_m, self.coloured_sd_m)
 
 
@@ -117,12 +117,12 @@ class GnssState:
     coloured: dict[str, GaussMarkov]
     smooth: dict[str, Smooth]
     moved_ns: int
-    """When the antenna moved last."""
+    """Time of the last motion of the antenna."""
     white: dict[str, Generator]
 
 
 def init(config: Gnss, seed: int, start_ns: int) -> GnssState:
-    """The receiver at the start of a run, fixed; the faults' course is drawn here."""
+    """State of the receiver at the start of a run, in fixed mode; draws recovery times."""
     each = axes(config)
     processes = {
         "fixed": (config.coloured_sd_m * each, config.coloured_tau_s),
@@ -158,9 +158,9 @@ NAMES = (
 
 
 def sample(config: Gnss, state: GnssState, chunk: Trajectory) -> tuple[GnssState, Table]:
-    """Positions, velocities and headings of the chunk.
+    """Samples of position, velocity and heading in the chunk.
 
-    Every noise term is drawn at every epoch whatever the mode, so a fault changes nothing
+    Every noise term is drawn at every epoch whatever the mode, so an outage changes no sample
     outside itself and its recovery.
     """
     position, epoch_ns, at = read(state.reader, chunk, NAMES)

@@ -1,4 +1,4 @@
-"""The ignition off and on again: gaps, counters and biases that begin anew, a clock that jumps.
+"""The ignition off and on again: gaps, counters and biases that restart, a clock that jumps.
 
     off             no sample arrives
     on + 2 s        the units have started: counters count from zero, the IMU has a new turn-on
@@ -6,7 +6,8 @@
     on + 5 s        the receiver has a fix (single, float, then fixed, as after a blocked sky); it
                     sets the clock, which jumps once
 
-The computer stamps all but the receiver's samples. The machine itself goes on: let it stand.
+The computer stamps all samples except those of the GNSS receiver. The simulated machine is not
+switched off, so the scenario should stop it for that time.
 """
 
 from __future__ import annotations
@@ -24,41 +25,47 @@ from twin.sensors.own import State
 from twin.streams import COLUMNS, Table
 
 START_S = 2.0
-"""From the ignition to the first sample of a unit [s]; assumed."""
+"""Time from switching on to the first sample of a unit [s]; assumed."""
 FIX_S = 5.0
-"""From the ignition to the receiver's first fix, a hot start [s]; assumed."""
+"""Time from switching on to the receiver's first fix, a hot start [s]; assumed."""
 CLOCK_S = 0.5
-"""A clock that keeps whole seconds is off by up to so much when a computer starts by it [s]: Linux
-takes the middle of the second (drivers/rtc/class.c, rtc_hctosys)."""
+"""Greatest error of the computer's clock after switching on [s]: the hardware clock stores whole
+seconds, and Linux adds half a second (drivers/rtc/class.c, rtc_hctosys)."""
 
 Pairs = tuple[tuple[float, float], ...]
 Held = Mapping[str, State]
-"""What is remembered from chunk to chunk: counts at a restart, the last arrival."""
+"""State of a stream from chunk to chunk: counts at a restart, the last arrival."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Restart:
-    """One time without ignition, and what was drawn for it."""
+    """One time without ignition, with its random errors."""
 
     off_ns: int
     on_ns: int
     clock_ns: int
-    """How far the clock is ahead until it is set."""
+    """How far the computer's clock is ahead until the receiver sets it."""
     imu: Array
-    """New turn-on bias less that of the run's start, gyroscopes first, in data-sheet sd. (6,)."""
+    """Change of the IMU's turn-on bias from the run's start, gyroscopes first, in units of the
+    data-sheet sd. (6,)."""
 
     @property
     def set_ns(self) -> int:
-        """When the receiver has a fix and sets the clock."""
+        """Time at which the receiver has a fix and sets the clock."""
         return self.on_ns + round(FIX_S * 1e9)
 
     def ready_ns(self, stream: str) -> int:
-        """When a unit measures again."""
+        """Time from which the unit of a stream measures again."""
         return self.set_ns if stream == "gnss" else self.on_ns + round(START_S * 1e9)
 
 
 def check(off_s: Pairs) -> None:
-    """Raise OutOfRange or BadInput unless the times follow one another with a start between."""
+    """Check times without ignition, pairs of start and duration [s].
+
+    Raises:
+        OutOfRange: a start or a duration is out of range.
+        BadInput: one begins before the receiver has its fix after the one before.
+    """
     ready_s = 0.0
     for start_s, duration_s in off_s:
         check_range("sensors.ignition_off_s start", start_s, 0.0, 1e6)
@@ -72,13 +79,13 @@ def check(off_s: Pairs) -> None:
 
 
 def outages(off_s: Pairs, others: Sequence[Outage]) -> tuple[Outage, ...]:
-    """The receiver's outages with those by the ignition, in order."""
+    """The outages `others` with those that the ignition causes, in order of their start."""
     own = [Outage(start_s=t, duration_s=d + FIX_S, kind="block") for t, d in off_s]
     return tuple(sorted((*others, *own), key=lambda outage: outage.start_s))
 
 
 def restarts(off_s: Pairs, seed: int, start_ns: int) -> tuple[Restart, ...]:
-    """What the seed draws for each time without ignition."""
+    """The times without ignition `off_s` (start, duration) with errors drawn from the seed."""
     first = generator(seed, "imu", "turn-on").standard_normal(6)
     found = []
     for k, (at_s, duration_s) in enumerate(off_s):
@@ -98,14 +105,16 @@ def restarts(off_s: Pairs, seed: int, start_ns: int) -> tuple[Restart, ...]:
 def switched(
     plan: Sequence[Restart], stream: str, table: Table, imu_sd: Array, held: Held
 ) -> tuple[Table, Held]:
-    """A stream's samples as the ignition leaves them, and what is remembered.
+    """Apply the ignition to a stream's samples; return the samples and the new state.
+
+    Samples without ignition are removed; counters, IMU bias and stamps change after it.
 
     Args:
         plan: times without ignition, in order.
         stream: name of the stream.
-        table: its samples in a chunk, with their true stamps.
+        table: the stream's samples in a chunk, with their true stamps.
         imu_sd: data-sheet sd of the IMU's turn-on bias, gyroscopes first, (6,).
-        held: what was remembered of this stream.
+        held: state of this stream after the last chunk.
     """
     after, out = dict(held), dict(table)
     epoch_ns = table["epoch_ns"]

@@ -8,9 +8,9 @@ The 200 Hz samples are *means* over 5 ms and not values picked at instants, as a
 reports increments: a mean has nulls at 200, 400 ... Hz, exactly the bands that would fold onto the
 low frequencies that are kept, and 5 ms need not be a multiple of the physics step.
 
-A sample's epoch is the instant it describes, the end of its last window less half a window less the
-low-pass's delay at zero frequency; it arrives after that window's end. What remains is that
-the delay grows with frequency: a sine at a third of the cut comes 0.5 ms late (measured).
+A sample's epoch is the instant that it describes: the end of its last window, less half a window,
+less the low-pass's delay at zero frequency. It arrives after the end of that window. The delay
+grows with frequency: a sine at a third of the cut-off is 0.5 ms late (measured).
 
 Model and symbols: IEEE Std 952 and 1293: y = (1 + S) x + b0 + b(t) + w.
 """
@@ -56,7 +56,7 @@ class Imu:
     filter_cut_hz: Annotated[float, Range(0.1, 400)] = 15.0
     """-3 dB frequency of that low-pass, Hz; body modes are 1-7 Hz, engine orders from 12 Hz on."""
     latency_s: Annotated[float, Range(0, 1)] = 0.002
-    """From conversion to arrival, beside the filter's delay, s."""
+    """Time from the end of the last window to arrival, s; the filter's delay comes on top."""
     latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.0002
     """Random part of the latency: this times |N(0, 1)|, s."""
     gyro_noise_radps_rthz: Annotated[float, Range(0, 1)] = radians(0.005)
@@ -86,13 +86,13 @@ class Imu:
     firing_order: Annotated[float, Range(0.5, 8)] = 3.0
     """Firings per turn of the engine; 3 for a four-stroke six-cylinder engine."""
     gyro_bias_radps: Annotated[Vector, Range(-1, 1)] = (0.0, 0.0, 0.0)
-    """True bias beside the drawn one, rad/s."""
+    """True bias, added to the random one, rad/s."""
     accel_bias_mps2: Annotated[Vector, Range(-10, 10)] = (0.0, 0.0, 0.0)
-    """True bias beside the drawn one, m/s2."""
+    """True bias, added to the random one, m/s2."""
     scale_error: Annotated[float, Range(-0.1, 0.1)] = 0.0
-    """True scale error of every axis beside the drawn ones."""
+    """True scale error of every axis, added to the random ones."""
     mounting_error_rad: Annotated[Vector, Range(-0.5, 0.5)] = (0.0, 0.0, 0.0)
-    """True roll, pitch and yaw of the unit in the body beside the drawn ones, rad."""
+    """True roll, pitch and yaw of the unit in the body, added to the random ones, rad."""
 
     def __post_init__(self) -> None:
         check_fields("imu", self)
@@ -111,7 +111,7 @@ class Imu:
 
 
 class Scales(NamedTuple):
-    """Numbers of the data sheet for the six channels, shape (6,)."""
+    """Numbers of the data sheet for the six channels, gyroscopes first; each of shape (6,)."""
 
     white_sd: Array
     """sd of the white noise of a conversion."""
@@ -134,7 +134,7 @@ class ImuState:
     memory: Array | None
     """State of the low-pass; None before the first conversion."""
     delay_ns: int
-    """From the instant a sample describes to the end of its last window."""
+    """Time from the epoch of a sample to the end of its last window."""
     scales: Scales
     felt_from_body: Array
     """Scale and mounting: (1 + S_i) R_ij, shape (2, 3, 3) for gyroscopes and accelerometers."""
@@ -146,7 +146,7 @@ class ImuState:
 
 
 def init(config: Imu, seed: int, start_ns: int) -> ImuState:
-    """The unit at the start of a run; the drawn errors depend on the seed alone."""
+    """State of the unit at the start of a run; the drawn errors depend on the seed alone."""
     turn_on = generator(seed, "imu", "turn-on").standard_normal(6)
     true_bias = np.array([*config.gyro_bias_radps, *config.accel_bias_mps2])
     instability = _both(config.gyro_instability_radps, config.accel_instability_mps2)
@@ -175,7 +175,7 @@ def init(config: Imu, seed: int, start_ns: int) -> ImuState:
 
 
 def sample(config: Imu, state: ImuState, chunk: Trajectory) -> tuple[ImuState, Table]:
-    """Angular rates and specific forces of the chunk; see the module for the law."""
+    """Samples of angular rate and specific force in the chunk; see the module for the law."""
     vibration, felt = _felt(config, state, chunk)
     windows, end_ns, means, number = average(state.averager, chunk.epoch_ns, felt)
     wander, converted = _converted(config, state, means)
@@ -198,7 +198,7 @@ def sample(config: Imu, state: ImuState, chunk: Trajectory) -> tuple[ImuState, T
 
 
 def delay_ns(config: Imu, sections: Array) -> int:
-    """From the instant a sample describes to the end of its last window, ns."""
+    """Time from the epoch of a sample to the end of its last window, ns."""
     half_window_s = 0.5 / config.internal_rate_hz
     return round((half_window_s + group_delay_s(sections, config.internal_rate_hz)) * 1e9)
 

@@ -1,4 +1,4 @@
-"""The machine's own bus, and transducers read through it, at the bus's resolutions."""
+"""The machine's CAN bus, and transducers read through it, with the bus's resolutions."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ class Bus:
     rate_hz: Annotated[float, Range(0.1, 100)] = 10.0
     """Rate of the messages, Hz; J1939 sends engine messages every 10 to 100 ms."""
     latency_s: Annotated[float, Range(0, 1)] = 0.01
-    """From measuring to arrival, s."""
+    """Time from measuring to arrival, s."""
     latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.002
     """Random part of the latency: this times |N(0, 1)|, s."""
     reference_torque_nm: Annotated[float, Range(1, 10_000)] = 600.0
-    """Torque that is a load of 1, N m (SPN 544)."""
+    """Engine torque at an engine load of 1, N m (SPN 544)."""
     lower_link_m: Annotated[float, Range(0.05, 2)] = 0.9
     """Length of the lower links, m: height of the hitch points = length sin(lift angle)."""
     steer_sd_rad: Annotated[float, Range(0, 0.1)] = 0.002
@@ -79,7 +79,7 @@ class BusState:
 
 
 def init(config: Bus, seed: int, start_ns: int) -> BusState:
-    """The bus at the start of a run."""
+    """State of the bus at the start of a run."""
     return BusState(
         reader=reader(start_ns, config.rate_hz),
         arrival_ns=start_ns,

@@ -1,4 +1,4 @@
-"""Random terms of the sensors: one generator each, so that chunking changes no bit."""
+"""Random terms of the sensors: one generator each, so results do not depend on the chunks."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ Array = NDArray[np.float64]
 
 
 def generator(seed: int, sensor: str, term: str) -> Generator:
-    """The generator of one noise term, independent of every other term's.
+    """The random generator of one noise term, independent of the generators of all other terms.
 
-    Keys are hashes of the names, so adding a term leaves the others as they were.
+    Keys are hashes of the names, so a new term does not change the others.
     """
     key = (zlib.crc32(sensor.encode()), zlib.crc32(term.encode()))
     return np.random.default_rng(SeedSequence(seed, spawn_key=key))
@@ -50,7 +50,7 @@ def advance(process: GaussMarkov, step: Array) -> tuple[GaussMarkov, Array]:
     Exact for any step, so the statistics do not depend on the sampling rate.
 
     Args:
-        process: where the process stands.
+        process: the process at the last sample before.
         step: elapsed time [s] or distance [m] before each sample, shape (n,).
 
     Returns:
@@ -78,7 +78,7 @@ def _recurrence(x: float, phi: list[float], drive: list[float]) -> list[float]:
 
 @dataclass(frozen=True, kw_only=True)
 class Smooth:
-    """A Gauss-Markov process behind a low-pass of the same time: it wanders without corners."""
+    """A Gauss-Markov process after a low-pass with the same time constant: a smooth curve."""
 
     raw: GaussMarkov
     last: Array
@@ -93,7 +93,7 @@ def smooth(rng: Generator, sd: ArrayLike, scale: float) -> Smooth:
 
 
 def advance_smooth(process: Smooth, step: Array) -> tuple[Smooth, Array]:
-    """The process after each of equal steps.
+    """The process after each of n equal steps `step` (n,).
 
         y_k = phi y_{k-1} + (1 - phi) u_k,   phi = exp(-step / scale),   u: `advance`
         x_k = y_k (1 + phi) / sqrt(1 + phi^2)

@@ -1,4 +1,4 @@
-"""Set-up of the sensors for estimators: data sheets and tape measure, never a true error."""
+"""Set-up of the sensors for estimators: values of data sheets and tape measure, no true errors."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ class Geometry:
     machine: str
     """Name of the machine."""
     wheelbase_m: float
-    """Front to rear axle, m."""
+    """Distance from front to rear axle, m."""
     track_front_m: float
-    """Between the front wheels' centres, m."""
+    """Distance between the front wheels' centres, m."""
     track_rear_m: float
-    """Between the rear wheels' centres, m."""
+    """Distance between the rear wheels' centres, m."""
     cg_x_m: float
-    """Centre of gravity without implement, ahead of the rear axle, m."""
+    """Distance of the centre of gravity, without implement, ahead of the rear axle, m."""
     wheel_radius_m: Mapping[str, float]
-    """Nominal rolling radius by wheel, m."""
+    """Nominal rolling radius by wheel (fl, fr, rl, rr), m."""
     antenna_main_m: Vector
     """Main GNSS antenna."""
     antenna_aux_m: Vector
@@ -36,7 +36,7 @@ class Geometry:
     imu_m: Vector
     """Inertial unit."""
     zero_slip: str = "law"
-    """Where slip by these radii is zero, one of `twin.streams.ZERO_SLIPS`."""
+    """State in which slip by these radii is zero, one of `twin.streams.ZERO_SLIPS`."""
     depth_zero_m: float = 0.0
     """Laser range times cos(inclination) at zero working depth, m."""
     driven: tuple[str, ...] = ("rl", "rr")
@@ -46,7 +46,7 @@ class Geometry:
 
 
 def setup(sensors: Sensors, geometry: Geometry) -> Setup:
-    """The set-up of a machine and its sensors, from nominal values alone."""
+    """The set-up of a machine and its sensors for estimators, from nominal values alone."""
     return Setup(
         machine=geometry.machine,
         wheelbase_m=geometry.wheelbase_m,

@@ -1,7 +1,7 @@
-"""Your own sensor, found by `module:Name`: its stream, its set-up, and how it samples.
+"""A user's own sensor, found by `module:Name`: base class, `init`, `sample` and `setup`.
 
-As a module this is what the modules of the twin's own sensors are to theirs, `init` and `sample`;
-errors of a user's code name the sensor and the line.
+`init` and `sample` have the form of those in the modules of the twin's sensors. Errors of a user's
+code name the sensor and the line.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ if TYPE_CHECKING:
     from twin.trajectory.trajectory import Trajectory
 
 State: TypeAlias = Any
-"""Whatever a sensor carries from chunk to chunk."""
+"""State of a sensor from chunk to chunk, of any type."""
 
 STREAM = re.compile("[a-z][a-z0-9_]*")
-"""What a stream can be called: it names a file, too."""
+"""Form of a stream's name, which is also the name of a file."""
 PLACE = "sensor"
-"""Where a scenario.json says which sensor it is, beside its fields."""
+"""Key in scenario.json with the sensor's name, beside its fields."""
 
 
 @dataclass(frozen=True)
@@ -47,16 +47,16 @@ class Column:
 
 @dataclass(frozen=True, kw_only=True)
 class Sensor:
-    """Base of your own sensor: a frozen dataclass of its data sheet and its true errors.
+    """Base class of your own sensor: a frozen dataclass of its data sheet and its true errors.
 
     A subclass gives `stream`, `columns`, `init` and `sample`. A field's range is in its type:
     `Annotated[float, Range(0, 1)]`.
     """
 
     stream: ClassVar[str] = ""
-    """Name of its table in `Streams`."""
+    """Name of the sensor's table in `Streams`."""
     columns: ClassVar[tuple[Column, ...]] = ()
-    """Columns of the stream, beside `epoch_ns` and `arrival_ns`."""
+    """Columns of the stream, besides `epoch_ns` and `arrival_ns`."""
 
     def __post_init__(self) -> None:
         if not STREAM.fullmatch(self.stream) or self.stream in COLUMNS:
@@ -74,11 +74,11 @@ class Sensor:
         return {}
 
     def init(self, seed: int, start_ns: int) -> State:
-        """The sensor at the start of a run; all its chance comes from the seed."""
+        """State at the start of a run; every random number must come from the seed."""
         raise NotImplementedError
 
     def sample(self, state: State, chunk: Trajectory) -> tuple[State, Table]:
-        """The samples of a chunk; how a drive is cut into chunks must change no bit of them."""
+        """New state and the samples of a chunk, the same bits however a run is cut into chunks."""
         raise NotImplementedError
 
     @property
@@ -95,7 +95,7 @@ class Sensor:
         """The sensor `module:Name`, a class with its defaults or an instance.
 
         Raises:
-            BadInput: there is no such thing, or it is no Sensor.
+            BadInput: the module or the name does not exist, or it is no Sensor.
         """
         if ":" not in spec:
             raise BadInput(f"sensor '{spec}' must be module:Name")
@@ -108,7 +108,7 @@ class Sensor:
         return found
 
     def to_plain(self) -> dict[str, object]:
-        """As a scenario.json keeps it."""
+        """Name and fields as plain values, as scenario.json stores them."""
         kept = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
         return {PLACE: self.name, **kept}
 
@@ -137,17 +137,21 @@ class OwnState:
 
     state: State
     arrival_ns: int
-    """Of its last sample."""
+    """Arrival of the last sample."""
 
 
 def init(config: Sensor, seed: int, start_ns: int) -> OwnState:
-    """The sensor at the start of a run. Raises BadInput if it fails."""
+    """State of the sensor at the start of a run. Raises BadInput if the user's code fails."""
     with failing(f"sensor '{config.name}': init", config):
         return OwnState(state=config.init(seed, start_ns), arrival_ns=start_ns)
 
 
 def sample(config: Sensor, state: OwnState, chunk: Trajectory) -> tuple[OwnState, Table]:
-    """The samples of the chunk. Raises BadInput if the sensor fails or gives no such table."""
+    """New state and the samples of the chunk.
+
+    Raises:
+        BadInput: the user's code fails, or its table does not have the stated columns.
+    """
     with failing(f"sensor '{config.name}'", config):
         given: object = config.sample(state.state, chunk.read_only())
     if not (isinstance(given, tuple) and len(given) == 2 and isinstance(given[1], Mapping)):
@@ -162,7 +166,11 @@ def sample(config: Sensor, state: OwnState, chunk: Trajectory) -> tuple[OwnState
 
 
 def setup(config: Sensor, geometry: Geometry) -> OwnSetup:
-    """Set-up of the sensor for estimators. Raises BadInput if it is no data sheet."""
+    """Set-up of the sensor for estimators.
+
+    Raises:
+        BadInput: the user's code fails, or returns no mapping of plain values.
+    """
     with failing(f"sensor '{config.name}': setup", config):
         told = dict(config.setup(geometry))
     values = {str(name): _value(config, str(name), value) for name, value in told.items()}

@@ -1,7 +1,7 @@
 """Reading a trajectory at a sensor's own epochs, across chunk borders, and stamping arrivals.
 
-Everything here works element by element on rows that do not depend on where chunks are cut,
-so the same trajectory gives the same bits in any chunking.
+Every result depends on rows of the trajectory alone and not on where chunks are cut, so the same
+trajectory gives the same bits in any chunks.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 Stamps = NDArray[np.int64]
 
 FEW = 8
-"""Epochs that are faster counted one by one, as in a control step of an environment."""
+"""Number of epochs up to which a loop is faster, as in a control step of an environment."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +37,7 @@ class Clock:
 
 
 def due(clock: Clock, grid_ns: Stamps) -> tuple[Clock, Stamps]:
-    """The epochs, from the next one on, that the grid covers; shape (n,)."""
+    """The clock's next epochs up to the end of the grid, shape (n,); and the clock after them."""
     if len(grid_ns) == 0:
         return clock, np.empty(0, np.int64)
     first_ns, last_ns = int(grid_ns[0]), int(grid_ns[-1])
@@ -58,7 +58,7 @@ def due(clock: Clock, grid_ns: Stamps) -> tuple[Clock, Stamps]:
 
 @dataclass(frozen=True, kw_only=True)
 class Reader:
-    """State of a sampler of a trajectory: its clock and the last physics row it saw."""
+    """State of `read`: the sensor's clock and the last row of the trajectory."""
 
     clock: Clock
     grid_ns: Stamps = field(default_factory=lambda: np.empty(0, np.int64))
@@ -66,7 +66,7 @@ class Reader:
 
 
 def reader(start_ns: int, rate_hz: float) -> Reader:
-    """A reader that has seen nothing."""
+    """A reader at the start of a run, before any row."""
     return Reader(clock=Clock(start_ns=start_ns, rate_hz=rate_hz))
 
 
@@ -79,7 +79,7 @@ def read(
     x = a + f (b - a), which errs by at most x'' h^2 / 8: 1 um for 2 m/s2 on a 2 ms grid.
 
     Args:
-        state: where the last chunk ended.
+        state: the reader after the last chunk.
         chunk: the next part of the trajectory.
         names: columns to read; the same ones each time.
 
@@ -104,7 +104,7 @@ def read(
 
 @cache
 def nothing(*columns: str, whole: tuple[str, ...] = ()) -> Table:
-    """A table of stamps and columns without a row; those of `whole` hold whole numbers."""
+    """A table of stamps and columns without rows; the columns in `whole` are integers."""
     counted = (*STAMPS, *whole)
     return {n: np.empty(0, np.int64 if n in counted else float) for n in (*STAMPS, *columns)}
 
@@ -138,11 +138,11 @@ class Averager:
     edge_ns: Stamps
     """The last window edge, shape (0,) or (1,)."""
     edge: Array
-    """Integral up to it, shape (0, m) or (1, m)."""
+    """Integral up to that edge, shape (0, m) or (1, m)."""
 
 
 def averager(start_ns: int, rate_hz: float, components: int) -> Averager:
-    """An averager that has seen nothing."""
+    """An averager at the start of a run, before any row."""
     return Averager(
         clock=Clock(start_ns=start_ns, rate_hz=rate_hz),
         integral=np.zeros(components),
@@ -164,8 +164,8 @@ def average(
         mean = (I(t_k) - I(t_{k-1})) / (t_k - t_{k-1})
 
     Args:
-        state: where the last chunk ended.
-        epoch_ns: the grid, shape (n,).
+        state: the averager after the last chunk.
+        epoch_ns: epochs of the signal's rows, shape (n,).
         signal: shape (n, m).
 
     Returns:
@@ -198,7 +198,16 @@ def average(
 
 
 def arrivals(last_ns: int, sent_ns: Stamps, delay_s: Array) -> tuple[int, Stamps]:
-    """When samples arrive: sent + delay, but none before the one sent before it."""
+    """Arrival times of samples: sent + delay, but never before the sample sent before.
+
+    Args:
+        last_ns: arrival of the last sample of the chunk before.
+        sent_ns: times of sending, (n,).
+        delay_s: delays, (n,).
+
+    Returns:
+        arrival of the last sample, arrivals (n,) [ns].
+    """
     if len(sent_ns) == 1:
         last_ns = max(last_ns, int(sent_ns[0]) + round(float(delay_s[0]) * 1e9))
         return last_ns, np.array([last_ns], np.int64)

@@ -1,4 +1,4 @@
-"""All the sensors of a machine: a chunk of trajectory in, what has arrived by its end out."""
+"""All sensors of a machine: from a chunk of the trajectory to the samples that arrive in it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ MODULES: dict[str, ModuleType] = {
     "camera": camera,
 }
 """Module of each stream; each has init(config, seed, start_ns) and sample(config, state, chunk).
-`own` is that of the others."""
+Sensors of the user are in the module `own`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,13 +52,13 @@ class Sensors:
     depth: Depth | None = field(default_factory=Depth)
     """Laser and inclinometer on the plough."""
     machine: Bus | None = field(default_factory=Bus)
-    """The machine's own bus."""
+    """The machine's CAN bus."""
     camera: Camera | None = None
     """Camera that looks down at the ground."""
     faults: tuple[Fault, ...] = ()
     """Scheduled faults of wires, counters and clocks."""
     ignition_off_s: ignition.Pairs = ()
-    """When the ignition is off: start from the run's start and duration, pairs [s]."""
+    """Times without ignition: pairs of start, from the run's start, and duration [s]."""
     extra: tuple[Sensor, ...] = ()
     """Sensors of your own, on the command line as module:Name."""
 
@@ -70,7 +70,7 @@ class Sensors:
         self.fitted()
 
     def fitted(self) -> dict[str, Fitted]:
-        """Configuration of each sensor that is not switched off, by stream."""
+        """Configuration of each sensor that is not None, by stream."""
         shipped = {name: getattr(self, name) for name in MODULES}
         fitted = {name: config for name, config in shipped.items() if config is not None}
         if self.ignition_off_s and self.gnss is not None:
@@ -95,15 +95,15 @@ class SuiteState:
     restarts: tuple[ignition.Restart, ...] = ()
     """Times without ignition."""
     switched: Mapping[str, ignition.Held] = field(default_factory=dict)
-    """What is remembered of them, by stream."""
+    """State of `ignition.switched`, by stream."""
 
 
 def init(sensors: Sensors, seed: int, start_ns: int = 0) -> SuiteState:
-    """Every fitted sensor at the start of a run.
+    """State of all sensors at the start of a run.
 
     Args:
-        sensors: what is fitted.
-        seed: of every noise term and every drawn error; a sensor's draws depend on no other's.
+        sensors: the sensors of the machine.
+        seed: seed of all noise terms and random errors; each sensor has generators of its own.
         start_ns: instant of the first sample; scheduled faults count from it.
     """
     fitted = sensors.fitted().items()
@@ -115,9 +115,9 @@ def init(sensors: Sensors, seed: int, start_ns: int = 0) -> SuiteState:
 def sample(sensors: Sensors, state: SuiteState, chunk: Trajectory) -> tuple[SuiteState, Streams]:
     """The samples that arrive by the end of the chunk.
 
-    A sample that describes an instant of this chunk but is still on its way comes out of a
-    later one, so whoever consumes the stream as it runs sees nothing early, and every chunking
-    gives the same samples in the same order.
+    A sample of this chunk that arrives later is returned with a later chunk, so nobody who reads
+    the streams during the run sees a sample early. Samples and their order do not depend on how
+    the run is cut into chunks.
     """
     states, waiting, arrived, held = {}, {}, {}, state.held
     switched = dict(state.switched)
@@ -156,7 +156,7 @@ def _parted(table: Table, now_ns: int | None) -> tuple[Table, Table]:
 
 
 def faults_from(sensors: Sensors, start_s: float) -> Sensors:
-    """The same sensors with their scheduled faults counted from an instant of the recording."""
+    """The sensors with faults, outages and ignition times later by `start_s`."""
     if start_s == 0.0:
         return sensors
     faults = tuple(replace(f, start_s=f.start_s + start_s) for f in sensors.faults)
@@ -170,7 +170,7 @@ def faults_from(sensors: Sensors, start_s: float) -> Sensors:
 
 
 ERRORS = ("_sd", "noise", "instability", "jitter", "latency", "vibration")
-"""What the name of a field contains that makes a sensor noisy or late."""
+"""Parts of the names of fields that make a sensor noisy or late."""
 
 
 def ideal() -> Sensors:

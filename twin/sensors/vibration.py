@@ -1,4 +1,4 @@
-"""Engine-order vibration: what a running engine adds to an accelerometer."""
+"""Engine-order vibration: acceleration that a running engine adds at an accelerometer."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FIRING_SHARE = 0.8
 """Share of the rms at the firing order; the rest is at the first order: 0.8^2 + 0.6^2 = 1."""
 FIRST_SHARE = 0.6
 IDLE_RADPS = 60.0
-"""Below this engine speed the vibration fades in proportion, rad/s; a stopped engine is still."""
+"""Engine speed below which the vibration falls in proportion to the speed, rad/s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,13 +26,13 @@ class Vibration:
     epoch_ns: Stamps
     """Epoch of the last row, shape (0,) or (1,)."""
     engine_radps: Array
-    """Engine speed there, shape (0,) or (1,)."""
+    """Engine speed at that row, shape (0,) or (1,)."""
     phase_rad: Array
     """Phase of each order (firing, first) on each axis, shape (2, 3)."""
 
 
 def start(rng: Generator) -> Vibration:
-    """A crankshaft at zero; the phases of the axes are drawn once."""
+    """State at the start of a run: crank angle 0, phases of the axes drawn from `rng`."""
     return Vibration(
         crank_rad=0.0,
         epoch_ns=np.empty(0, np.int64),
@@ -44,7 +44,7 @@ def start(rng: Generator) -> Vibration:
 def shake(
     state: Vibration, epoch_ns: Stamps, engine_radps: Array, rms_mps2: float, firing_order: float
 ) -> tuple[Vibration, Array]:
-    """Acceleration the engine adds on each axis, shape (n, 3), on the physics grid.
+    """Acceleration [m/s^2] that the engine adds on each axis, shape (n, 3), on the physics grid.
 
     crank = integral of the engine's speed (trapezoid)
     a_j   = sqrt(2) rms (0.8 sin(firing_order crank + p_j) + 0.6 sin(crank + q_j))

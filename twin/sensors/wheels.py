@@ -30,17 +30,17 @@ class Wheels:
     decoding: Annotated[int, Range(1, 4)] = 4
     """Counts per line: 1, 2 or 4 edges of the two channels."""
     latency_s: Annotated[float, Range(0, 1)] = 0.005
-    """From reading to arrival, s."""
+    """Time from reading to arrival, s."""
     latency_jitter_s: Annotated[float, Range(0, 0.1)] = 0.0005
     """Random part of the latency: this times |N(0, 1)|, s."""
     read_jitter_s: Annotated[float, Range(0, 5e-3)] = 20e-6
-    """sd of the instant of reading about its epoch, s."""
+    """sd of the true time of reading about the stated epoch, s."""
     radius_error: Annotated[tuple[float, float, float, float], Range(-0.2, 0.2)] = (
         0.0, 0.0, 0.0, 0.0,
     )  # fmt: skip
     """True error of the rolling radius of fl fr rl rr: true = nominal (1 + error)."""
     radius_error_sd: Annotated[float, Range(0, 0.05)] = 0.005
-    """sd of a further error of each wheel, drawn once from the seed: wear and tyre pressure."""
+    """sd of a random error, added for each wheel, drawn once from the seed: wear and pressure."""
 
     def __post_init__(self) -> None:
         check_fields("wheels", self)
@@ -66,7 +66,7 @@ class WheelsState:
 
 
 def init(config: Wheels, seed: int, start_ns: int) -> WheelsState:
-    """Encoders at the start of a run; the drawn errors depend on the seed alone."""
+    """State of the encoders at the start of a run; the drawn errors depend on the seed alone."""
     drawn = generator(seed, "wheels", "radius").standard_normal(4)
     return WheelsState(
         reader=reader(start_ns, config.rate_hz),
@@ -79,16 +79,15 @@ def init(config: Wheels, seed: int, start_ns: int) -> WheelsState:
 
 
 def sample(config: Wheels, state: WheelsState, chunk: Trajectory) -> tuple[WheelsState, Table]:
-    """Ticks of the chunk.
+    """Samples of the tick counters in the chunk.
 
         turned = angle + rate jitter
         ticks  = floor((turned / (1 + radius_error) + phase) counts_per_turn / 2 pi)
 
-    A wheel whose true radius exceeds the nominal by the factor (1 + error) turns that much
-    less over the same ground. Dividing the angle therefore gives the tick stream of such a
-    wheel without touching the physics, and nominal radius times turned angle is then short of
-    the theoretical travel by (1 + error), as on a machine whose radius is not what the manual says.
-    How the radius varies with load is in the trajectory already.
+    A wheel whose true radius is larger than the nominal by the factor (1 + error) turns that much
+    less over the same distance. Dividing the angle gives the ticks of such a wheel without a change
+    of the physics: nominal radius times turned angle is then short of the true travel by
+    (1 + error). The change of the radius with load is in the trajectory already.
     """
     names = ("wheel_angle_rad", "wheel_rate_radps")
     position, epoch_ns, at = read(state.reader, chunk, names)

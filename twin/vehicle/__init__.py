@@ -1,4 +1,4 @@
-"""What a machine and an implement are: typed, read from files, completed by stated rules."""
+"""Description of a machine and an implement: typed, read from files, completed by stated rules."""
 
 from twin.vehicle.implement import Implement
 from twin.vehicle.machine import Machine

@@ -1,4 +1,4 @@
-"""What is inconsistent in a machine's file: numbers that cannot all be true, and odd ones."""
+"""Inconsistencies in a machine's file: numbers that contradict each other, and unusual ones."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from twin.vehicle.machine import Machine
 from twin.vehicle.tyre_code import tyre_size
 
 MOST_OVER_RATED = 1.35
-"""Greatest over rated power of a diesel: engines with boost have 1.10 to 1.25."""
+"""Upper limit of maximum over rated power of a diesel [-]: with boost it is 1.10 to 1.25."""
 REACHED = 0.8
-"""Share of rated speed that a full-load curve reaches at least."""
+"""The last point of a full-load curve is at least at this share of rated speed [-]."""
 LEAST_ON_TYRE_NPM3 = 4500.0
-"""Wheel load over width and diameter squared of a rear tyre: wide tyres under light tractors have
-6500, those of heavy ones 8000 to 20000."""
+"""Least wheel load / (width x diameter**2) of a rear tyre [N/m^3]: wide tyres under light tractors
+have 6500, those of heavy ones 8000 to 20000."""
 LEAST_WHEELBASE = 1.25
-"""Wheelbase over the diameter of the rear tyre; of tractors it is 1.4 to 2."""
+"""Least wheelbase over diameter of the rear tyre [-]; tractors have 1.4 to 2."""
 SHARES = (0.12, 0.70)
-"""Shares of the weight on the front axle that a tractor has."""
+"""Least and greatest share of the weight on the front axle of a tractor [-]."""
 SMALL_M = 0.8
-"""Tyres below it are no tractor's; what is usual of those is not asked of them."""
+"""Diameter below which a tyre is no tractor's, so that the checks for tractors do not apply."""
 LEADS = (-0.005, 0.06)
-"""Leads of a front axle that are usual; 1 to 5 % are designed for."""
+"""Least and greatest usual lead of the front axle [-]; designers choose 1 to 5 %."""
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class Finding:
     path: str
     """The field."""
     said: str
-    """The value, what contradicts it, and what would do."""
+    """Message: the value, what contradicts it, and which value is possible."""
     fatal: bool = True
-    """Whether nothing should be computed from it; else it is only odd."""
+    """Whether the file must be refused; False for a value that is only unusual."""
 
     def __str__(self) -> str:
         return f"{self.path} {self.said}"
@@ -57,7 +57,7 @@ def findings(machine: Machine) -> list[Finding]:
 
 
 def refuse_inconsistent(machine: Machine) -> None:
-    """Raise BadInput for the first thing that cannot be true."""
+    """Raise BadInput for the first fatal inconsistency."""
     for finding in findings(machine):
         if finding.fatal:
             raise BadInput(str(finding))

@@ -1,7 +1,7 @@
-"""All numbers of a machine from its file: what is left out follows by a stated rule.
+"""All numbers of a machine from its file: a number that is left out is derived by a stated rule.
 
 The rules keep the proportions of a 103 kW tractor of 5260 kg on 18.4-38 tyres with a wheelbase of
-2.55 m, whose numbers have sources of their own (models/taishan_1404a/README.md).
+2.55 m; the sources of its numbers are in models/taishan_1404a/README.md.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from twin.vehicle.tyre_code import INCH_M, tyre_size
 GRAVITY_MPS2 = 9.81
 RPM = math.pi / 30.0
 USUAL_KMH = 7.7
-"""Speed without slip of the gear that is driven where neither file nor scenario says one."""
+"""Speed without slip of the gear that is used where neither file nor scenario gives one."""
 FRONT_SHARES = {"rear": 0.38, "all": 0.42}
-"""Share of the weight on the front axle; tractors of two driven wheels .35 to .40, of four .40 to
-.45."""
+"""Share of the weight on the front axle by driven axles; tractors with two driven wheels have .35
+to .40, with four .40 to .45."""
 CG_OVER_RADIUS = 1.08
 DUAL = 2.0
 
 
 @dataclass(frozen=True)
 class Derived:
-    """Every number of a machine."""
+    """Every number of a machine or an implement, with its grade and source."""
 
     numbers: Mapping[str, Graded]
-    """By path; those of a file's fields under their own."""
+    """Numbers by path, as `rear.track_m`; a field of the file keeps its path."""
 
     def __getitem__(self, path: str) -> float:
         return self.numbers[path].value
@@ -299,7 +299,13 @@ def _gears(sheet: Sheet, machine: Machine) -> None:
 
 
 def ratios(machine: Machine, rated_rpm: float, rim_m: float) -> tuple[float, ...]:
-    """Engine turns per turn of the rear axle in each gear; none where the file says none."""
+    """Engine turns per turn of the rear axle in each gear; empty where the file gives no gears.
+
+    Args:
+        machine: gives `ratios`, or `speeds_kmh` from which they are computed.
+        rated_rpm: rated engine speed, at which `speeds_kmh` hold.
+        rim_m: rolling radius of the rear wheels without load.
+    """
     gears = machine.transmission
     by_speed = (rated_rpm * RPM * rim_m / (kmh / 3.6) for kmh in gears.speeds_kmh)
     return gears.ratios or tuple(by_speed)

@@ -16,15 +16,15 @@ from twin.vehicle.reading import read, table_of
 
 T = TypeVar("T", Machine, Implement)
 USUAL = "taishan_1404a"
-"""The machine of a scenario and of a rig that names none."""
+"""The machine of a scenario or rig that does not name one."""
 
 
 @cache
 def models_folder() -> Path:
-    """Where the models are: inside the installed package, or beside it in a checkout.
+    """Folder of the models: inside the installed package, or beside it in a source checkout.
 
     Raises:
-        BadInput: they are in neither place.
+        BadInput: it is in neither place.
     """
     package = Path(__file__).parents[1]
     for folder in (package / "_models", package.parent / "models"):
@@ -34,17 +34,17 @@ def models_folder() -> Path:
 
 
 def machine_names() -> tuple[str, ...]:
-    """Names of the machines that are shipped."""
+    """Names of the machines that come with the package."""
     return tuple(_shipped("catalogue"))
 
 
 def implement_names() -> tuple[str, ...]:
-    """Names of the implements that are shipped."""
+    """Names of the implements that come with the package."""
     return (*_shipped("implements"), NONE)
 
 
 def machine(spec: str) -> Machine:
-    """A machine by name, or from a TOML file or a MJCF.
+    """A machine by its name, or from the path of a TOML file or a MJCF.
 
     Raises:
         UnknownName: there is no such machine.
@@ -60,14 +60,22 @@ def machine(spec: str) -> Machine:
 
 
 def implement(spec: str) -> Implement:
-    """An implement by name, or from a TOML file. Raises as `machine`."""
+    """An implement by its name, or from the path of a TOML file; `none` for none.
+
+    Raises:
+        UnknownName: there is no such implement.
+        BadInput: the file cannot be used.
+    """
     if spec == NONE:
         return Implement(name=NONE, kind=NONE, about="the tractor alone")
     return _found("implement", spec, "implements", Implement)
 
 
 def usual_implement(part: Machine) -> str | None:
-    """The implement that a machine's file names, as `implement` takes it; a file is beside it."""
+    """The implement that a machine's file names, as an argument for `implement`; None for none.
+
+    A relative path refers to the folder of the machine's file.
+    """
     name = part.implement
     if name is None or not name.endswith(".toml") or Path(name).is_absolute():
         return name
@@ -75,9 +83,9 @@ def usual_implement(part: Machine) -> str | None:
 
 
 def kind_of(path: Path) -> type[Machine] | type[Implement]:
-    """Whether a TOML file is a machine's or an implement's: whose fields it has more of.
+    """Whether a TOML file describes a machine or an implement: the one with more fields in it.
 
-    With as many of both it is an implement's where it has the width that an implement needs.
+    With as many of both it is an implement if it has `width_m`, which an implement needs.
     """
     given = set(table_of(path))
     machines, implements = ({f.name for f in fields(k)} for k in (Machine, Implement))
@@ -86,7 +94,11 @@ def kind_of(path: Path) -> type[Machine] | type[Implement]:
 
 
 def mjcf_path(part: Machine | Implement) -> Path | None:
-    """Path of its hand-made MJCF; None where it is made. Raises BadInput where it is missing."""
+    """Path of the hand-made MJCF of a machine or an implement; None if it has none.
+
+    Raises:
+        BadInput: the file is missing.
+    """
     if part.mjcf is None:
         return None
     path = (Path(part.folder) if part.folder else models_folder() / part.name) / part.mjcf

@@ -1,7 +1,7 @@
-"""An implement: what its file says. What is None is derived by its kind's rules: `kinds`.
+"""An implement as its file describes it; a field that is None is derived by the rules of its kind.
 
 Implement axes: x forward, y left, z up, from the middle of its lower hitch points. Each class is a
-table of the implement's TOML file.
+table of the implement's TOML file. The rules are in `twin.vehicle.implement_derive`.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ HITCHES = ("three-point", "drawbar")
 MOST_TOOLS = 16
 """Bodies or tools, at most: what the parameter block has room for."""
 NONE = "none"
-"""Name of the implement that is none."""
+"""Name for a machine without implement."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class GaugeWheel:
-    """The wheel that bears on the unworked ground."""
+    """The wheel that runs on the unworked ground and limits the depth."""
 
     fitted: bool = True
     radius_m: Annotated[float | None, Range(0.1, 0.8)] = None
@@ -38,7 +38,7 @@ class GaugeWheel:
 
 @dataclass(frozen=True, kw_only=True)
 class Draft:
-    """ASABE D497 with numbers of your own, or a law of your own."""
+    """Draft by ASABE D497, with the kind's coefficients or your own, or by a law of your own."""
 
     law: str = "d497"
     """d497, or your own as module:function."""
@@ -49,9 +49,9 @@ class Draft:
     c: Annotated[float | None, Range(-10, 100)] = None
     """C of D497, per (km/h)**2."""
     factor_medium: Annotated[float | None, Range(0.05, 1.5)] = None
-    """F on medium soil, where fine soil has 1."""
+    """Soil factor F of D497 on medium soil; on fine soil it is 1."""
     factor_coarse: Annotated[float | None, Range(0.05, 1.5)] = None
-    """F on coarse soil."""
+    """Soil factor F of D497 on coarse soil."""
     vertical_ratio: Annotated[float | None, Range(-0.5, 1)] = None
     """Downward force over draft."""
     side_ratio: Annotated[float | None, Range(0, 0.6)] = None
@@ -67,9 +67,9 @@ class Implement:
     schema: int = SCHEMA
     name: str = "implement"
     about: str = ""
-    """One line."""
+    """One line of description."""
     grade: str = "given"
-    """Grade of all numbers that have none of their own."""
+    """Grade of all numbers of the file for which `sources` has no entry."""
     source: str = ""
     mjcf: str | None = None
     """A hand-made MJCF with the documented numerics, beside the file."""
@@ -83,11 +83,11 @@ class Implement:
     """Bars on which the tools stand, one behind the other."""
     mass_kg: Annotated[float | None, Range(5, 10000)] = None
     hitch: str = "three-point"
-    """three-point; or drawbar, which only pulls at one point: what is pulled so carries itself."""
+    """three-point, or drawbar: pulled at one point, the implement carries its own weight."""
     depth_m: Point | None = None
     """Least and greatest working depth."""
     length_m: Annotated[float | None, Range(0.3, 10)] = None
-    """From the hitch points to the last body."""
+    """Length from the hitch points to the last body."""
     clearance_m: Annotated[float | None, Range(0.2, 1.5)] = None
     """Height of the hitch points above the soles."""
     mast_m: Annotated[float | None, Range(0.2, 1.2)] = None

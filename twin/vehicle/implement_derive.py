@@ -1,4 +1,4 @@
-"""All numbers of an implement from its file: what is left out follows by its kind's rules.
+"""All numbers of an implement from its file: a number left out is derived by its kind's rules.
 
 The rules keep the proportions of a four-body plough of 1470 kg (models/plough_1lf435/README.md).
 """
@@ -13,7 +13,7 @@ from twin.vehicle.kinds import KINDS
 from twin.vehicle.sheet import Sheet
 
 FAILS_M = 0.0113
-"""How far a body presses the soil before it fails, at half the kind's depth in fine soil [m]."""
+"""Compression at which the soil before a body fails, at half the kind's depth in fine soil [m]."""
 
 
 @lru_cache(maxsize=64)

@@ -1,6 +1,7 @@
-"""Kinds of implements: ASABE D497's draft, and what a file of such a kind may leave out.
+"""Kinds of implements: coefficients of ASABE D497's draft, and defaults for the implement's file.
 
-D = F (A + B S + C S**2) W T, with S in km/h and T in cm; W is the width in m or the tools.
+Draft D = F (A + B S + C S**2) W T, with the soil factor F, the speed S in km/h and the depth T in
+cm; W is the width in m or the number of tools.
 """
 
 from __future__ import annotations
@@ -12,31 +13,31 @@ D497 = "ASABE D497, through two transcriptions of its table"
 
 @dataclass(frozen=True, kw_only=True)
 class Kind:
-    """One kind."""
+    """One kind of implement; a, b and c are A, B and C of D497."""
 
     about: str
     a: float
     b: float
     c: float
     per: str
-    """m or tool."""
+    """What W counts: `m` of width or `tool`."""
     medium: float
-    """F on medium soil, where fine soil has 1."""
+    """F on medium soil; on fine soil it is 1."""
     coarse: float
     """F on coarse soil."""
     factors: str
-    """Where they come from."""
+    """Source of a, b, c, medium and coarse."""
     vertical_ratio: float
-    """Downward force over draft; assumed beside the plough's."""
+    """Downward force over draft; assumed for all kinds but the plough."""
     side_ratio: float
     furrow: bool
     """Whether the wheels of one side run in the last furrow."""
     depth_m: tuple[float, float]
-    """Working depths, where a file says none."""
+    """Least and greatest working depth, where a file gives none."""
     rows: int
     """Bars of tools."""
     spacing_m: float
-    """Between two bars, or two plough bodies, along the tractor."""
+    """Distance between two bars, or two plough bodies, along the tractor."""
     narrowest_m: float
     """Least width of one body or tool."""
     widest_m: float
@@ -71,4 +72,4 @@ KINDS = {
         rows=4, spacing_m=0.45, narrowest_m=0.08, widest_m=0.5, most=16,
     ),
 }  # fmt: skip
-"""By name, as a file's `kind` has it."""
+"""Kinds by name, the value of `kind` in a file."""

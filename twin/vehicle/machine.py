@@ -1,7 +1,7 @@
-"""A machine as a data sheet and a weighbridge give it. What is None is derived: `derive`.
+"""A machine as a data sheet and a weighbridge describe it; a field that is None is derived.
 
 Body axes: x forward, y left, z up, from the middle of the rear axle. Each class is a table of the
-machine's TOML file.
+machine's TOML file. The rules for None are in `twin.vehicle.derive`.
 """
 
 from __future__ import annotations
@@ -32,21 +32,21 @@ class Axle:
     tyre: str | None = None
     """Size code, such as 18.4R38, 480/70R34 or IF 600/70R30."""
     pressure_kpa: Annotated[float | None, Range(40, 600)] = None
-    """Inflation."""
+    """Inflation pressure."""
     duals: bool = False
     """Two tyres on each side."""
     track_m: Annotated[float | None, Range(0.2, 4)] = None
-    """Between the middles of the two wheels."""
+    """Distance between the middle planes of the two wheels."""
     width_m: Annotated[float | None, Range(0.02, 1.5)] = None
     """Section width of one tyre."""
     diameter_m: Annotated[float | None, Range(0.1, 3)] = None
     """Outer diameter, not loaded."""
     radial: bool | None = None
-    """Radial or bias; None for what the code says."""
+    """True for radial, False for bias; None to take it from the size code."""
     free_rolling_radius_m: Annotated[float | None, Range(0.05, 1.5)] = None
     """Rolling radius without load."""
     rolling_radius_m: Annotated[float | None, Range(0.05, 1.5)] = None
-    """Rolling radius at the load of work: the nominal radius of the set-up."""
+    """Rolling radius under the load in work, which estimators get as nominal radius."""
     deflection_ratio: Annotated[float | None, Range(0.02, 0.4)] = None
     """Deflection over section height in Brixius' mobility number [-]."""
     stiffness_npm: Annotated[float | None, Range(5e3, 2e6)] = None
@@ -58,7 +58,7 @@ class Axle:
     """Lateral over longitudinal slip stiffness [-]."""
     shear_damping_s: Annotated[float | None, Range(0.005, 1)] = None
     wheel_kg: Annotated[float | None, Range(0.5, 2000)] = None
-    """One wheel with its rim and tyre, or a pair with both."""
+    """Mass of one wheel with rim and tyre; of both wheels of a pair."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,9 +67,9 @@ class Ballast:
 
     mass_kg: Annotated[float, Range(0, 10000)]
     x_m: Annotated[float, Range(-3, 8)]
-    """Ahead of the rear axle."""
+    """Distance ahead of the rear axle."""
     z_m: Annotated[float, Range(-2, 3)] = 0.0
-    """Above the rear axle."""
+    """Height above the rear axle."""
     name: str = "weight"
 
 
@@ -80,25 +80,25 @@ class Engine:
     kind: str = "diesel"
     """diesel or electric."""
     rated_power_kw: Annotated[float | None, Range(0.05, 1000)] = None
-    """At the crank, at rated speed."""
+    """Power at the crankshaft, at rated speed."""
     pto_power_kw: Annotated[float | None, Range(0.05, 1000)] = None
     """Power at the power take-off (PTO), at rated engine speed; in place of rated_power_kw."""
     max_power_kw: Annotated[float | None, Range(0.05, 1200)] = None
-    """At the crank, at any speed."""
+    """Greatest power at the crankshaft, at any speed."""
     rated_rpm: Annotated[float | None, Range(300, 8000)] = None
     rated_torque_nm: Annotated[float | None, Range(0.5, 10000)] = None
     torque_rise: Annotated[float | None, Range(1, 2)] = None
-    """Peak over rated torque."""
+    """Peak torque over rated torque [-]."""
     peak_rpm: Annotated[float | None, Range(100, 8000)] = None
-    """Speed of the peak torque."""
+    """Engine speed at the peak torque."""
     torque_points: tuple[Point, ...] = ()
     """Full-load curve as measured: speed [rpm] and torque [N m] of each point, by rising speed."""
     no_load_rpm: Annotated[float | None, Range(300, 9000)] = None
     droop: Annotated[float | None, Range(0.002, 0.3)] = None
-    """Governor's droop: no-load over rated speed, less 1; in place of no_load_rpm."""
+    """Governor's droop: no-load speed / rated speed - 1; in place of no_load_rpm."""
     idle_rpm: Annotated[float | None, Range(0, 3000)] = None
     usual_rpm: Annotated[float | None, Range(100, 9000)] = None
-    """No-load speed the governor is set to where a scenario says none."""
+    """No-load speed that the governor is set to where a scenario gives none."""
     parasitic_nm: Annotated[float | None, Range(0, 500)] = None
     """Torque of fan, pumps and generator."""
     inertia_kgm2: Annotated[float | None, Range(1e-4, 50)] = None
@@ -106,15 +106,15 @@ class Engine:
     stroke_m: Annotated[float | None, Range(0.03, 0.3)] = None
     exhaust_brake_kpa: Annotated[float | None, Range(0, 600)] = None
     pto_efficiency: Annotated[float | None, Range(0.5, 1)] = None
-    """PTO power over crank power [-]."""
+    """PTO power over crankshaft power [-]."""
     fuel_l_per_kwh: Annotated[float | None, Range(0.15, 1)] = None
     """Fuel over PTO energy at rated PTO power [L/kWh]."""
     regeneration_kw: Annotated[float | None, Range(0, 500)] = None
-    """Most that an electric motor takes back."""
+    """Greatest power that an electric motor can regenerate."""
     wheel_torque_nm: Annotated[float | None, Range(0.1, 1e5)] = None
-    """Torque limit of an electric motor on each rear wheel; None where there are none."""
+    """Torque limit of the electric motor of each rear wheel; None without wheel motors."""
     battery_kwh: Annotated[float | None, Range(0.01, 2000)] = None
-    """Energy of the battery; no run drains it, `twin machine show` says how long it lasts."""
+    """Energy of the battery. No run drains it; `twin machine show` prints how long it lasts."""
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
@@ -123,19 +123,19 @@ class Engine:
 
 @dataclass(frozen=True, kw_only=True)
 class Transmission:
-    """From the crank to the rear axle."""
+    """Gears between crankshaft and rear axle."""
 
     kind: str | None = None
-    """powershift, synchronised, cvt or electric: how its ratio changes; None for electric with a
-    motor, cvt with a cvt_ratio, synchronised with gears, and else powershift."""
+    """How the ratio changes: powershift, synchronised, cvt or electric. None means electric for an
+    electric motor, cvt if cvt_ratio is given, synchronised if gears are given, else powershift."""
     ratios: tuple[float, ...] = ()
     """Engine turns per turn of the rear axle, of each gear."""
     speeds_kmh: tuple[float, ...] = ()
-    """In place of the ratios: speed of each gear at rated engine speed without slip."""
+    """Speed of each gear at rated engine speed without slip; in place of ratios."""
     cvt_ratio: tuple[float, float] | None = None
     """Least and greatest ratio of a continuously variable transmission."""
     usual_ratio: Annotated[float | None, Range(3, 1000)] = None
-    """The gear that is driven where a scenario says none."""
+    """Ratio that is used where a scenario gives none."""
     efficiency: Annotated[float | None, Range(0.4, 1)] = None
 
     def __post_init__(self) -> None:
@@ -151,22 +151,22 @@ class Transmission:
 
 @dataclass(frozen=True, kw_only=True)
 class Drive:
-    """Driven axles, differential and clutch, and the torques that they hold."""
+    """Driven axles, differential and clutch; a torque that is None is derived by a rule."""
 
     driven: str = "rear"
-    """rear, or all where the front axle can be engaged."""
+    """rear: only the rear axle is driven; all: the front axle can be engaged too."""
     front_lead: Annotated[float | None, Range(-0.2, 0.2)] = None
-    """Rim speed of the front axle over that of the rear, less 1."""
+    """Front rim speed / rear rim speed - 1, with the front axle engaged."""
     front_ratio: Annotated[float | None, Range(0.5, 4)] = None
     """Turns of the front axle per turn of the rear; in place of front_lead."""
     differential_lock: bool = True
     """Whether the rear differential can be locked."""
     clutch_nm: Annotated[float | None, Range(0.5, 20000)] = None
-    """Torque the clutch holds, at the engine [N m]."""
+    """Greatest torque that the clutch transmits before it slips, at the engine [N m]."""
     lock_nm: Annotated[float | None, Range(1, 1e6)] = None
-    """Torque the lock holds, at the axle [N m]."""
+    """Greatest torque that the differential lock transmits between the half-axles [N m]."""
     front_nm: Annotated[float | None, Range(1, 1e6)] = None
-    """Torque the drive of the front axle holds, at that axle [N m]."""
+    """Greatest torque that the front-axle drive transmits, at the front axle [N m]."""
 
     def __post_init__(self) -> None:
         if self.driven not in DRIVEN:
@@ -178,7 +178,7 @@ class Chassis:
     """Brakes, steering and the front axle's pivot."""
 
     brake_nm: Annotated[float | None, Range(1, 1e6)] = None
-    """Torque of the brake of one rear wheel [N m]."""
+    """Greatest torque of the brake of one rear wheel [N m]."""
     steer_limit_rad: Annotated[float | None, Range(0.1, 1.2)] = None
     """Largest steering angle of a front wheel [rad]."""
     swing_limit_rad: Annotated[float | None, Range(0.02, 0.5)] = None
@@ -212,36 +212,36 @@ class Places:
 
 @dataclass(frozen=True, kw_only=True)
 class Numeric:
-    """A number of a hand-made MJCF, replaced."""
+    """A value that replaces a <numeric> of a hand-made MJCF."""
 
     name: str
-    """The documented numeric, as `tyre_rear.free_rolling_radius_m`."""
+    """Name of the <numeric>, as `tyre_rear.free_rolling_radius_m`."""
     value: float
 
 
 @dataclass(frozen=True, kw_only=True)
 class Machine:
-    """A tractor: what its file says. What is None is derived by a stated rule, see `twin machine`.
+    """A tractor as its file describes it; what is None is derived by a rule (`twin machine show`).
 
-    The mass is that without implement and without the ballast that is listed; the axle loads are
-    weighed with that ballast.
+    `mass_kg` is without implement and without the listed ballast; the axle loads include that
+    ballast.
     """
 
     schema: int = SCHEMA
-    """Form of the file."""
+    """Version of the file's format."""
     name: str = "machine"
     about: str = ""
-    """One line."""
+    """One line of description."""
     grade: str = "given"
-    """Grade of all numbers that have none of their own."""
+    """Grade of all numbers of the file for which `sources` has no entry."""
     source: str = ""
-    """Source of all numbers that have none of their own."""
+    """Source of all numbers of the file for which `sources` has no entry."""
     mjcf: str | None = None
-    """A hand-made MJCF with the documented numerics, beside the file, in place of a made one."""
+    """A hand-made MJCF in the file's folder, used in place of a generated one."""
     numerics: tuple[Numeric, ...] = ()
-    """Numerics of the hand-made MJCF that have another value here, as a calibration finds it."""
+    """Values that replace numerics of the hand-made MJCF, for instance from a calibration."""
     implement: str | None = None
-    """The implement it usually has: a name or a file; None for a plough by its power."""
+    """Default implement: a name or a file; None for a plough that fits the power."""
     mass_kg: Annotated[float | None, Range(20, 60000)] = None
     front_axle_kg: Annotated[float | None, Range(5, 40000)] = None
     rear_axle_kg: Annotated[float | None, Range(5, 40000)] = None
@@ -252,7 +252,7 @@ class Machine:
     width_m: Annotated[float | None, Range(0.2, 6)] = None
     height_m: Annotated[float | None, Range(0.2, 6)] = None
     rear_axle_height_m: Annotated[float | None, Range(0.05, 1.5)] = None
-    """Height above the ground on loaded tyres [m], by tape; it is checked against the tyre."""
+    """Height of the rear axle above the ground on loaded tyres [m], by tape; only a check."""
     front: Axle = dataclasses.field(default_factory=Axle)
     rear: Axle = dataclasses.field(default_factory=Axle)
     ballast: tuple[Ballast, ...] = ()
@@ -263,10 +263,9 @@ class Machine:
     linkage: Linkage = dataclasses.field(default_factory=Linkage)
     places: Places = dataclasses.field(default_factory=Places)
     sources: tuple[Source, ...] = ()
-    """Grade and source of the numbers that have their own; kept of the file's `{value, grade,
-    source}`."""
+    """Grade and source of the numbers that the file writes as `{value, grade, source}`."""
     folder: str = ""
-    """Folder of the file; empty for one of the twin's own."""
+    """Folder of the file; empty for a machine that comes with the package."""
 
     def __post_init__(self) -> None:
         if self.schema != SCHEMA:
@@ -293,7 +292,10 @@ class Machine:
 
 
 def check_given(prefix: str, config: object) -> None:
-    """Raise OutOfRange for a number that is given and lies outside its Range."""
+    """Raise OutOfRange for a field of `config` that is not None and lies outside its Range.
+
+    `prefix` stands before the field's name in the message.
+    """
     check_fields(prefix, config, given_only=True)
 
 

@@ -1,4 +1,4 @@
-"""The documented numerics of a MJCF: what the laws and the loader read of a machine."""
+"""The documented <numeric> values of a MJCF, from which laws and loader know a machine."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from twin.vehicle.kinds import KINDS
 from twin.vehicle.machine import Machine
 
 PREFIX = "plough."
-"""What the names of an implement begin with on a machine."""
+"""Prefix of an implement's names in the MJCF of a machine with implement."""
 TYRE = {
     "deflection_ratio": "deflection_ratio",
     "free_rolling_radius_m": "free_rolling_radius_m",
@@ -29,16 +29,16 @@ TYRE = {
     "shear_damping_s": "shear_damping_s",
     "nominal_load_n": "nominal_load_n",
 }
-"""Numeric of a tyre -> what it is in a file."""
+"""Numeric of a tyre -> its field in a machine's file."""
 RADIAL = {
     "slip_rate_change": 9.5 / 7.5 - 1.0,
     "rolling_moment_change": 0.0325 / 0.04 - 1.0,
     "mobility_resistance_change": 0.9 - 1.0,
 }
-"""Brixius 1987, radial over bias tyres."""
+"""Relative change of the constants of Brixius' law by a radial tyre; Brixius 1987."""
 DIESEL, ELECTRIC = 0.0, 1.0
 PTO_FUEL = 0.22 + 0.096
-"""L/kWh of ASABE D497.7 at rated power."""
+"""Fuel over PTO energy by ASABE D497.7 at rated power [L/kWh]."""
 NEEDED = (
     *(f"tyre_{axle}.{n}" for axle in ("front", "rear") for n in ("width_m", "diameter_m", *TYRE)),
     *(f"tyre_{axle}.{n}" for axle in ("front", "rear") for n in ("stiffness_npm", "damping_nspm")),
@@ -52,21 +52,21 @@ NEEDED = (
       for n in ("capacity_nm", "windup_rad", "damping_s")),
     "front_drive.ratio",
 )  # fmt: skip
-"""What a MJCF of a machine must have."""
+"""Numerics that the MJCF of a machine must have."""
 
 
 @dataclass(frozen=True)
 class Facts:
-    """What a scenario has to know of a machine."""
+    """The properties of a machine that a scenario is checked against."""
 
     name: str
     numbers: Mapping[str, float]
-    """Its numerics."""
+    """Its <numeric> values by name."""
     linkage: bool
     lock: bool
     """Whether the rear differential can be locked."""
     ratios: tuple[float, ...]
-    """Of its gears; none where any ratio may be driven."""
+    """Ratio of each gear; empty where any ratio is allowed."""
     ratio_range: tuple[float, float] | None
     usual_ratio: float
     usual_rpm: float
@@ -80,7 +80,7 @@ class Facts:
 
 
 def machine_facts(machine: Machine) -> Facts:
-    """What a scenario has to know.
+    """The properties of a machine that a scenario is checked against.
 
     Raises:
         BadInput: a hand-made MJCF lacks a numeric, or carries an implement already.
@@ -123,7 +123,7 @@ def _facts(machine: Machine, path: Path | None, stamp: int) -> Facts:
 
 
 def transmission_kind(machine: Machine) -> str:
-    """How the ratio changes: what the file says, or assumed of what else it says."""
+    """How the ratio changes, one of TRANSMISSIONS: `kind` of the file, or by its other fields."""
     gears = machine.transmission
     if gears.kind is not None:
         return gears.kind
@@ -135,7 +135,7 @@ def transmission_kind(machine: Machine) -> str:
 
 
 def own_numerics(machine: Machine) -> dict[str, float]:
-    """Numbers with which a file replaces numerics of its hand-made MJCF, by name.
+    """Values by which a machine's file replaces numerics of its hand-made MJCF, by name.
 
     Raises:
         UnknownName: the MJCF has no such numeric.
@@ -168,7 +168,7 @@ def _of_mjcf(path: Path) -> tuple[dict[str, float], frozenset[str]]:
 
 
 def machine_numerics(machine: Machine, n: Derived) -> dict[str, float]:
-    """The numerics of a made MJCF by the numbers of its file."""
+    """The numerics of a machine with a generated MJCF, from its derived numbers `n`."""
     out: dict[str, float] = {}
     for axle in ("front", "rear"):
         pair = 2.0 if getattr(machine, axle).duals else 1.0
@@ -229,7 +229,7 @@ def _engine(machine: Machine, n: Derived) -> dict[str, float]:
 
 
 def implement_numbers(part: Implement) -> dict[str, float]:
-    """The numerics of an implement, without the prefix they have on a machine."""
+    """The numerics of an implement by name, without PREFIX."""
     if part.kind == NONE:
         return {}
     path = mjcf_path(part)
@@ -240,7 +240,7 @@ def implement_numbers(part: Implement) -> dict[str, float]:
 
 
 def implement_numerics(n: Derived) -> dict[str, float]:
-    """The numerics of a made implement by the numbers of its file."""
+    """The numerics of an implement with a generated MJCF, from its derived numbers `n`."""
     out = {name: n[name] for name in ("bodies", "body_width_m", "soil_stiffness_npm")}
     out |= {f"draft_{k}": n[f"draft.{k}"] for k in ("a", "b", "c", "width")}
     same = ("factor_medium", "factor_coarse", "vertical_ratio", "side_ratio", "force_depth_ratio")

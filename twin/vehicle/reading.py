@@ -1,4 +1,4 @@
-"""A TOML table as a frozen dataclass: names and kinds of its values checked, grades kept apart.
+"""A TOML table as a frozen dataclass, with checked names and types; grades go to `sources`.
 
 Any number is plain or `{value = 5260, grade = "published", source = "data sheet"}`.
 """
@@ -22,7 +22,7 @@ from twin.plugins.lookup import line
 T = TypeVar("T")
 GRADED = frozenset({"value", "grade", "source"})
 KEPT = frozenset({"sources", "folder"})
-"""Fields that a file does not have: they are kept of it."""
+"""Fields of the dataclass that a file cannot set: they are filled while it is read."""
 FORMS = {
     "cvt_ratio": "[least, greatest]",
     "depth_m": "[least, greatest]",
@@ -32,7 +32,7 @@ FORMS = {
     "lower_pivot_m": "[x, z]",
     "top_pivot_m": "[x, z]",
 } | dict.fromkeys(("gnss_main_m", "gnss_aux_m", "imu_m", "camera_m"), "[x, y, z]")
-"""Field -> what its list holds."""
+"""Field -> contents of its list, for messages."""
 WORDS = {float: "a number", int: "a whole number", str: "text", bool: "true or false"}
 
 
@@ -40,8 +40,8 @@ def read(kind: type[T], path: Path) -> T:
     """The dataclass `kind` of a TOML file.
 
     Raises:
-        BadInput: it cannot be read, a field is unknown or of another kind, or the dataclass refuses
-            a value; one line with the file, the field, the value and what would do.
+        BadInput: the file cannot be read, a field is unknown or has another type, or the dataclass
+            refuses a value; the message names the file, the field, the value and what is allowed.
     """
     table = table_of(path)
     try:
@@ -67,7 +67,7 @@ def table_of(path: Path) -> dict[str, Plain]:
 
 
 def from_table(kind: type[T], table: Mapping[str, Plain], *, folder: str) -> T:
-    """The dataclass of a table, as `read`."""
+    """The dataclass `kind` of a table; raises as `read`. `folder` becomes its field `folder`."""
     sources: list[dict[str, str]] = []
     plain = _fields(kind, table, "", sources)
     return from_plain(kind, plain | {"sources": sources, "folder": folder})

@@ -1,4 +1,4 @@
-"""A sheet on which a file's numbers and those that follow from them are written, with grades."""
+"""A sheet that collects the numbers of a file and those derived from them, with grades."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Sheet:
     numbers: dict[str, Graded] = field(default_factory=dict)
 
     def given(self, path: str) -> Plain:
-        """What the file says at a path; None for nothing."""
+        """Value of the file's field at a path, as `rear.track_m`; None where it is left out."""
         held: Plain = self.part
         for name in path.split("."):
             held = getattr(held, name)
@@ -33,17 +33,20 @@ class Sheet:
         return self.part.grade, self.part.source
 
     def take(self, path: str, rule: float, grade: str, why: str) -> float:
-        """The file's number at a path, or else the rule's, written down; its value."""
+        """Write the file's number at a path, or `rule` where there is none; return it.
+
+        `grade` and `why` are the grade and the source of `rule`.
+        """
         value = self.given(path)
         if value is None:
             return self.write(path, rule, grade, why)
         return self.write(path, float(value), *self.origin(path))
 
     def write(self, path: str, value: float, grade: str, why: str) -> float:
-        """Write a number down; its value."""
+        """Write a number with its grade and its source `why`; return it."""
         self.numbers[path] = Graded(float(value), grade, why)
         return float(value)
 
     def values(self) -> Mapping[str, float]:
-        """The numbers alone."""
+        """The numbers by path, without grades."""
         return {path: number.value for path, number in self.numbers.items()}

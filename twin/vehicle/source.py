@@ -1,4 +1,4 @@
-"""Where a number comes from: its grade and its source."""
+"""Where a number comes from: its grade (quality of evidence) and its source."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ GRADES = {
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    """Grade and source of one number of a file, where they differ from the file's own."""
+    """Grade and source of one number of a file, where they differ from those of the file."""
 
     path: str
-    """Its name in the file, tables before it: `rear.track_m`."""
+    """Field with its tables before it: `rear.track_m`."""
     grade: str = "given"
     """One of GRADES."""
     source: str = ""
@@ -31,15 +31,15 @@ class Source:
 
 @dataclass(frozen=True)
 class Graded:
-    """A number as the twin uses it."""
+    """A number with its grade and source."""
 
     value: float
     grade: str
     source: str
-    """Where it was read, or the rule it follows from."""
+    """Publication or document, or the rule by which it was derived."""
 
 
 def check_grade(path: str, grade: str) -> None:
-    """Raise UnknownName for a grade that there is not."""
+    """Raise UnknownName if `grade` is not in GRADES; `path` is the field for the message."""
     if grade not in GRADES:
         raise UnknownName(f"grade ({path})", grade, GRADES)

@@ -15,15 +15,17 @@ METRIC = re.compile(
     r"(?P<width>\d{3,4})/(?P<aspect>\d{2,3})\s*(?P<build>R|-|B)\s*(?P<rim>\d{2}(?:\.5)?)(?:\s.*)?$"
 )
 PROFILE = 0.85
-"""Section height over width of sizes as 18.4-38: of its 1.755 m and of the 1.31 m of 14.9-26."""
+"""Section height over width of sizes like 18.4-38, from the diameters of 18.4-38 (1.755 m) and
+14.9-26 (1.31 m)."""
 FULL_PROFILE = 1.05
-"""The same of sizes with two decimals, as 6.00-16 and 7.50-16: of their 0.735 and 0.805 m."""
+"""The same for sizes with two decimals, from the diameters of 6.00-16 (0.735 m) and 7.50-16
+(0.805 m)."""
 EXAMPLES = "a code as 18.4-38, 18.4R38, 480/70R34 or IF 600/70R30"
 
 
 @dataclass(frozen=True)
 class TyreSize:
-    """What a code says."""
+    """Sizes of a tyre by its code."""
 
     width_m: float
     """Section width."""
@@ -33,18 +35,18 @@ class TyreSize:
     """Diameter of the rim."""
     radial: bool
     low_pressure: str
-    """"", IF or VF: how far it may be deflected."""
+    """"", IF or VF: the class of allowed deflection."""
     aspect: str
-    """How the section height follows, in words."""
+    """How the section height is computed, for the source of derived numbers."""
 
 
 def tyre_size(code: str, path: str = "tyre") -> TyreSize:
-    """Sizes by the code.
+    """Sizes of a tyre by its code, as 18.4R38 or 480/70R34.
 
         diameter = rim + 2 aspect width
 
-    The aspect of a metric code is in it; that of one in inches is 0.85, or 1.05 where its width
-    has two decimals.
+    A metric code states its aspect; for a code in inches it is 0.85, or 1.05 if its width has two
+    decimals. `path` is the field for the message.
 
     Raises:
         BadInput: the code cannot be read, or no tyre has such sizes.
