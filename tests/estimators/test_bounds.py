@@ -5,8 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from estimators import bounds
 from estimators.bounds import bound
+from estimators.bounds.across import across_body
+from estimators.bounds.along import along_body
+from estimators.bounds.motion import drives_at, motion_of
 from estimators.riccati import System, steady, through
 from estimators.slip_ekf import SLIP_EKF
 from twin.streams import Streams
@@ -166,12 +168,12 @@ def without(streams, *names):
 @pytest.mark.parametrize("gap", [True, False])
 def test_every_stream_counts_as_in_a_posterior_by_brute_force(across, gap):
     setup, streams, truth = moving()
-    drives = bounds._drives(truth)
+    drives = drives_at(truth)
     if across:
-        model, name = bounds._across(setup, streams, truth, 0.02, drives), "v_y"
+        model, name = across_body(setup, streams, truth, 0.02, drives), "v_y"
     else:
-        motion = bounds._motion(truth, setup, 0.02, drives)
-        model, name = bounds._along(setup, streams, truth, motion, 0.02, truth), "slip"
+        motion = motion_of(truth, setup, 0.02, drives)
+        model, name = along_body(setup, streams, truth, motion, 0.02, truth), "slip"
     assert {"gnss", "camera"} <= set(model.of)
     assert across or {"wheels", "imu", "machine"} <= set(model.of)
     seen = np.ones((30, len(model.of)), bool)
