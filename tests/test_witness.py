@@ -212,6 +212,7 @@ WITNESSES: dict[str, dict[str, object]] = {
         "sensors.machine.latency_jitter_s": 0.004, "sensors.machine.reference_torque_nm": 500.0,
         "sensors.machine.lower_link_m": 0.8,
         "sensors.machine.steer_sd_rad": 0.02, "sensors.machine.draft_pin_sd_n": 900.0,
+        "sensors.machine.engine_sd_radps": 0.4,
         "sensors.machine.axle_torque_sd_nm": 300.0, "sensors.machine.steer_bias_rad": 0.02,
         "sensors.machine.draft_pin_scale_error": 0.1,
     },
