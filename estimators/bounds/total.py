@@ -34,6 +34,8 @@ WHITE_SHARE, LASTING_SHARE, LASTING_S = 0.52, 0.85, 60.0
 6.5 mm of 7.6 mm, as a receiver of the UM980's class has near its base."""
 GYRO_BIAS_PSD = 1e-12
 """Of a bias that is all but constant [rad2/s3]."""
+FIXED = 4.0
+"""Quality of a fixed position."""
 GAP_S = 1.0
 """After a longer gap heading and place are new."""
 FREE_RAD2, FREE_M2, FREE_M2PS2 = 10.0, 1e4, 1.0
@@ -50,8 +52,9 @@ class _Drive:
     roll_rad: Array
     runs: NDArray[np.bool_]
     """Whether it is the run, in which the machine slides."""
-    seen: NDArray[np.bool_]
-    """Whether GNSS measures."""
+    sds: Array
+    """Of the heading [rad], the velocity [m/s] and the white part of a position [m], infinite
+    where GNSS does not measure it; (n, 3)."""
     gnss: GnssSetup
     imu: ImuSetup
     arm_m: float
@@ -73,12 +76,13 @@ def total_sd_m(
         off' = exp(-dt / 60 s) off + white
         total' = total + v_y dt + c (w - bias dt)
 
-    GNSS measures, at its rate,
+    GNSS measures, at its rate and with the sd that it states, or else its data sheet,
 
         heading + askew - tan(roll) stance,   v heading + v_y,   (east, north) + off
 
-    Speed, roll and gravity's direction count as known, which makes the bound smaller, if at all. A
-    prior of how tyres slide under an implement is not counted.
+    Positions count where they are fixed. Speed, roll and gravity's direction count as known, which
+    makes the bound smaller, if at all. A prior of how tyres slide under an implement is not
+    counted.
 
     Args:
         setup: noise of the sensors by their data sheets.
@@ -110,7 +114,7 @@ def total_sd_m(
             _anew(p, NOW, FREE_M2PS2)
         if drive.epoch_ns[k - 1] < first_ns <= drive.epoch_ns[k]:
             _anew(p, TOTAL, 0.0)
-        if dt > 0.0 and drive.seen[k]:
+        if dt > 0.0:
             p = measured(step, p)
     return math.sqrt(p[TOTAL, TOTAL])
 
@@ -124,7 +128,12 @@ def _whole(setup: Setup, gnss: GnssSetup, imu: ImuSetup, streams: Streams, truth
     w, x, y, z = (truth[f"q{axis}"] for axis in "wxyz")
     heading = np.unwrap(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
     roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    seen = np.isfinite(before["heading_rad"]) & (speed > DRIVING_MPS)
+    sds = _sds(gnss, streams)
+    newest = np.searchsorted(table["epoch_ns"], truth["epoch_ns"], side="right") - 1
+    during = sds[np.maximum(newest, 0)]
+    during[~drives_at(truth) | hidden_at(streams, truth["epoch_ns"]) | (newest < 0)] = np.inf
+    sds = sds[:count]
+    sds[~(speed > DRIVING_MPS)] = np.inf
     return _Drive(
         epoch_ns=np.concatenate([before["epoch_ns"], truth["epoch_ns"]]),
         speed_mps=np.concatenate([np.nan_to_num(speed), truth["speed_mps"]]),
@@ -133,12 +142,36 @@ def _whole(setup: Setup, gnss: GnssSetup, imu: ImuSetup, streams: Streams, truth
         ),
         roll_rad=np.concatenate([np.zeros(count), roll]),
         runs=np.concatenate([np.zeros(count, bool), np.ones(runs, bool)]),
-        seen=np.concatenate([seen, drives_at(truth) & ~hidden_at(streams, truth["epoch_ns"])]),
+        sds=np.concatenate([sds, during]),
         gnss=gnss,
         imu=imu,
         arm_m=setup.cg_x_m,
         gnss_hz=1.0 / period_s(streams, "gnss"),
     )
+
+
+def _sds(gnss: GnssSetup, streams: Streams) -> Array:
+    """Sds of all samples of GNSS as `_Drive.sds` has them, by the set-up where none is stated.
+
+    Returns:
+        Shape (samples, 3).
+    """
+    table = streams["gnss"]
+    sds = np.empty((len(table["epoch_ns"]), 3))
+    for i, (measured_by, stated, nominal) in enumerate(
+        (
+            ("heading_rad", "heading_sd_rad", gnss.heading_sd_rad),
+            ("v_north_mps", "velocity_sd_mps", gnss.velocity_sd_mps),
+            ("north_m", "position_sd_m", gnss.position_sd_m),
+        )
+    ):
+        own = streams.column("gnss", stated).astype(np.float64)
+        sds[:, i] = np.where(own > 0.0, own, nominal)
+        sds[~np.isfinite(streams.column("gnss", measured_by)), i] = np.inf
+    sds[:, 2] *= WHITE_SHARE
+    if "quality" in table:
+        sds[table["quality"] != FIXED, 2] = np.inf
+    return sds
 
 
 def _autoregression(truth: Table, first_ns: int, last_ns: int) -> tuple[Array, float]:
@@ -199,10 +232,11 @@ def _step(drive: _Drive, k: int, dt: float, slides: tuple[Array, float]) -> Syst
     rows[0, STANCE] = _by_pitch(gnss.heading_mount_rad, drive.roll_rad[k])
     rows[1, HEADING], rows[1, NOW] = speed, 1.0
     rows[2, EAST] = rows[2, OFF_E] = rows[3, NORTH] = rows[3, OFF_N] = 1.0
-    white_m = WHITE_SHARE * gnss.position_sd_m
-    sds = np.array([gnss.heading_sd_rad, gnss.velocity_sd_mps, white_m, white_m])
+    heading_sd, velocity_sd, white_m = drive.sds[k]
+    variances = np.maximum(np.square([heading_sd, velocity_sd, white_m, white_m]), EXACT)
+    seen = np.isfinite(variances)
     share = max(drive.gnss_hz * dt, EXACT)  # of a GNSS sample in this step
-    return System(transition=f, process=q, rows=rows, variances=np.maximum(sds**2, EXACT) / share)
+    return System(transition=f, process=q, rows=rows[seen], variances=variances[seen] / share)
 
 
 def _by_pitch(mount_rad: float, roll_rad: float) -> float:

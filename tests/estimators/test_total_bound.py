@@ -38,8 +38,11 @@ SETUP = Setup(
 )
 
 
-def least(before=True, roll_rad=0.0, **noises):
-    """The bound of a straight run to the east, which leans by so much."""
+def least(before=True, roll_rad=0.0, changed=None, **noises):
+    """The bound of a straight run to the east, which leans by so much.
+
+    `changed` makes other columns of GNSS from the time since the run's start.
+    """
     setup = dataclasses.replace(SETUP, gnss=dataclasses.replace(SETUP.gnss, **noises))
     t = np.arange(0.0, RUN_S, 1.0 / GNSS_HZ)
     if before:
@@ -51,7 +54,10 @@ def least(before=True, roll_rad=0.0, **noises):
         "v_east_mps": SPEED_MPS * ones,
         "v_north_mps": 0.0 * ones,
         "heading_rad": -np.pi / 2 * ones,
+        "east_m": SPEED_MPS * t,
+        "north_m": 0.0 * ones,
     }
+    gnss |= changed(t - START_S) if changed else {}
     gnss["arrival_ns"] = gnss["epoch_ns"]
     at = START_S + np.arange(0.0, RUN_S, 0.02)
     some = np.ones(len(at))
@@ -94,6 +100,34 @@ def test_fixed_positions_tell_what_slides():
 def test_a_body_that_leans_turns_the_baseline_by_the_pitch_that_is_not_known():
     due = STANCE_SD_RAD * math.tan(0.15) * SPEED_MPS * RUN_S
     assert least(roll_rad=0.15) == pytest.approx(due, rel=0.02)
+
+
+def test_a_heading_that_is_masked_tells_nothing_more():
+    """Without a heading of the run, what is known of the mounting angle does not help it."""
+
+    def masked(t):
+        return {"heading_rad": np.where(t > 5.0, np.nan, -np.pi / 2)}
+
+    rough = {"heading_sd_rad": 0.02, "velocity_sd_mps": 0.01}
+    assert least(changed=masked, **rough) > 1.1 * least(**rough)
+
+
+def test_the_sd_that_a_receiver_states_counts_and_a_position_only_where_fixed():
+    rough = {"heading_sd_rad": 0.003, "velocity_sd_mps": 0.02, "position_sd_m": 0.008}
+
+    def stated(t):
+        return {"velocity_sd_mps": np.where(t > 0.0, 0.06, 0.02)}
+
+    def floating(t):
+        return {"quality": np.where(t > 0.0, 5, 4)}
+
+    def noisier(t):
+        return {**stated(t), **floating(t)}
+
+    assert least(changed=noisier, **rough) > max(
+        least(changed=stated, **rough), least(changed=floating, **rough)
+    )
+    assert least(changed=floating, **rough) > 1.1 * least(**rough)
 
 
 def test_it_needs_a_receiver():

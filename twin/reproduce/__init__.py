@@ -11,6 +11,7 @@ REGISTRY: dict[str, str] = {
     "ima-pkf-disturbed": "twin.reproduce.ima_pkf_disturbed:rows",
     "ima-pkf-field": "twin.reproduce.ima_pkf_field:rows",
     "slip-ekf": "twin.reproduce.slip_ekf:rows",
+    "sideslip-ekf": "twin.reproduce.sideslip_ekf:rows",
     "slip-and-draft": "twin.reproduce.slip_and_draft:rows",
     "speed-and-depth": "twin.reproduce.speed_and_depth:rows",
 }
@@ -33,6 +34,7 @@ ABOUT: dict[str, str] = {
     "ima-pkf-disturbed": "the same with five half-sine disturbances a trial",
     "ima-pkf-field": "the same from the twin's own sensors, ploughing at 15 to 30 cm",
     "slip-ekf": "slip-ekf on both, beside the smallest errors that sensors and motion allow",
+    "sideslip-ekf": "sideslip on a platform, ploughing and along slopes, beside the same",
     "slip-and-draft": "slip-and-draft against draft control while ploughing (Roul et al.)",
     "speed-and-depth": "slip control by speed and depth while subsoiling (Luo et al. 2023)",
 }
