@@ -45,6 +45,8 @@ LAG_S = 0.2
 """How far the speed of the log's receiver is behind its wheels: at this they agree best."""
 DOPPLER_SD_MPS = 0.016
 """Noise of the receiver's speed in motion [m/s], by second differences where the log is steady."""
+ENGINE_SD_RPM = 0.8
+"""Noise of the engine speed on a bus [rpm], measured as docs/sensors.md says."""
 CAN_MPS = 1.0 / 256.0 / 3.6
 """Resolution of the wheel-based vehicle speed (SAE J1939-71, SPN 84)."""
 
@@ -59,8 +61,11 @@ def driven() -> tuple[NDArray[np.float64], ...]:
         ground = chunk["wheel_speed_x_mps"][:, 2:].mean(axis=1)
         rows.append(np.stack([rim[at], ground[at - lag], chunk["engine_radps"][at] * 30.0 / np.pi]))
     wheel, ground, engine = np.abs(np.concatenate(rows, axis=1))
-    noise = np.random.default_rng(0).normal(0.0, DOPPLER_SD_MPS, len(ground))
+    rng = np.random.default_rng(0)
+    noise = rng.normal(0.0, DOPPLER_SD_MPS, len(ground))
     ground = np.abs(ground + np.where(ground > 0.05, noise, 0.0))
+    noise = rng.normal(0.0, ENGINE_SD_RPM, len(engine))
+    engine = np.abs(engine + np.where(engine > 0.0, noise, 0.0))
     return np.round(wheel / CAN_MPS) * CAN_MPS, ground, np.round(engine * 8.0) / 8.0
 
 

@@ -97,11 +97,11 @@ def bound(
     side = (np.nan, np.nan)
     if across is not None:
         side = variances(across, hidden, wanted, across.at["v_y"])
-    unseen, usual = float(np.var(motion.unseen)), float(np.var(motion.slip[drives]))
+    usual = float(np.var((motion.slip + motion.unseen)[drives]))
     known = [1.0 / (1.0 / each + 1.0 / usual) if hidden.any() else each for each in slip]
     return Bound(
-        slip_causal=float(np.sqrt(known[0] + unseen)),
-        slip_offline=float(np.sqrt(known[1] + unseen)),
+        slip_causal=float(np.sqrt(known[0])),
+        slip_offline=float(np.sqrt(known[1])),
         speed_causal_mps=float(np.sqrt(speed[0])),
         sideslip_causal_rad=float(np.sqrt(side[0])) / mean_speed,
         sideslip_offline_rad=float(np.sqrt(side[1])) / mean_speed,

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.bounds.model import Model
-from estimators.bounds.motion import ORDER, Motion, autoregression, centred, gauss_markov
+from estimators.bounds.motion import ORDER, Motion, autoregression, centred, first_order
 from estimators.bounds.noises import (
     EXACT,
     accel_var,
@@ -32,14 +32,15 @@ def along_body(
 ) -> Model:
     """The motion along the body, and what measures it.
 
-    States: ORDER past increments of (v, s), v, s, past v, travels, accelerometer bias, skid, and
-    the error of the slip that is estimated from the loads.
+    States: ORDER past increments of (v, s), v, s, past v, travels, accelerometer bias, skid, the
+    whole slip, and the error of the slip that is estimated from the loads. Skid, the whole slip
+    less s, and the error of the loads' slip all follow the load: they are one vector process.
     """
     speed, drives = np.asarray(part["speed_mps"], np.float64), motion.drives
     late = {s: late_steps(streams, s, step_s) for s in ("gnss", "imu", "camera")}
     past = max(late["gnss"], late["camera"], 1)
     v, s = 2 * ORDER, 2 * ORDER + 1
-    rear, front, bias, skid, load = (2 * ORDER + 2 + past + i for i in range(5))
+    rear, front, bias, skid, unseen, load = (2 * ORDER + 2 + past + i for i in range(6))
     size = load + 1
     f, q = np.zeros((size, size)), np.zeros((size, size))
     weights, noise = autoregression(np.diff(np.stack([speed, motion.slip], 1), axis=0), drives)
@@ -58,9 +59,11 @@ def along_body(
     f[rear, [rear, v, s]] = 1.0, step_s * ratio, step_s * mean_v * ratio**2
     f[front, [front, v, skid]] = 1.0, step_s, step_s * mean_v
     f[bias, bias], q[bias, bias] = 1.0, ACCEL_BIAS_PSD * step_s
-    f[skid, skid], q[skid, skid] = gauss_markov(motion.skid)
-    off = _off_by_load(streams, part["epoch_ns"][drives], motion.slip[drives])
-    f[load, load], q[load, load] = gauss_markov(off)
+    off = np.zeros_like(speed)
+    off[drives] = _off_by_load(streams, part["epoch_ns"][drives], motion.slip[drives])
+    errors = np.stack([motion.skid, motion.unseen, off], 1)
+    of_errors = slice(skid, load + 1)
+    f[of_errors, of_errors], q[of_errors, of_errors] = first_order(errors, motion.counted)
     q += np.eye(size) * 1e-14
     rows, variances, of = [], [], []
 
@@ -95,7 +98,21 @@ def along_body(
     system = System(
         transition=f, process=q, rows=np.reshape(rows, (-1, size)), variances=np.array(variances)
     )
-    return Model(system=system, of=of, at={"speed": v, "slip": s})
+    if not motion.unseen.any():
+        return Model(system=system, of=of, at={"speed": v, "slip": s})
+    return Model(system=_summed(system, unseen, s), of=of, at={"speed": v, "slip": unseen})
+
+
+def _summed(system: System, state: int, other: int) -> System:
+    """The same system with the sum of two states in the place of the first."""
+    to_sum, back = np.eye(len(system.transition)), np.eye(len(system.transition))
+    to_sum[state, other], back[state, other] = 1.0, -1.0
+    return System(
+        transition=to_sum @ system.transition @ back,
+        process=to_sum @ system.process @ to_sum.T,
+        rows=system.rows @ back,
+        variances=system.variances,
+    )
 
 
 def _ago(now: int, before: int, steps: int) -> int:

@@ -17,19 +17,24 @@ ORDER = 10
 DRIVING_MPS = 0.3
 """The tractor drives where ground or driven wheels are at least so fast [m/s], as in the scores."""
 
+MOST_FACTOR = 0.99999
+"""From step to step an error keeps at most this share: 2000 s at 50 Hz."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Motion:
-    """Slip and the errors of wheels that no counter shows. Shapes (n,)."""
+    """Slip and the errors of the wheels' counts. Shapes (n,)."""
 
     slip: Array
     """Slip of the wheels against the body: what counters can show."""
     unseen: Array
-    """What the load does to the driven radius, in slip; no sensor shows it."""
+    """What the load does to the driven radius, in slip, less its mean; no sensor shows it."""
     skid: Array
-    """Relative error of the towed wheels' travel, its mean taken out."""
+    """Relative error of the towed wheels' travel, less its mean."""
     drives: NDArray[np.bool_]
     """Where the tractor drives; elsewhere the slip is the last one of driving."""
+    counted: NDArray[np.bool_]
+    """Where `unseen` and `skid` are known; elsewhere they are 0."""
 
 
 def drives_at(part: Table) -> NDArray[np.bool_]:
@@ -50,7 +55,9 @@ def motion_of(part: Table, setup: Setup, step_s: float, drives: NDArray[np.bool_
     none = np.zeros_like(slip)
     angles = [f"joint_{w}_spin_rad" for w in ("fl", "fr", "rl", "rr")]
     if setup.wheels is None or any(a not in part for a in angles) or setup.driven != ("rl", "rr"):
-        return Motion(slip=held(slip, drives), unseen=none, skid=none, drives=drives)
+        return Motion(
+            slip=held(slip, drives), unseen=none, skid=none, drives=drives, counted=drives
+        )
     rims = [
         setup.wheels.radius_m[a[6:8]] * np.gradient(np.asarray(part[a], np.float64), step_s)
         for a in angles
@@ -64,9 +71,10 @@ def motion_of(part: Table, setup: Setup, step_s: float, drives: NDArray[np.bool_
     kept = (np.abs(wheel) > DRIVING_MPS) & (np.abs(speed) > DRIVING_MPS)
     return Motion(
         slip=held(against_body, drives),
-        unseen=centred(unseen[kept]),
+        unseen=np.where(kept, unseen - np.mean(unseen[kept]), 0.0),
         skid=np.where(kept, skid - np.mean(skid[kept]), 0.0),
         drives=drives,
+        counted=kept,
     )
 
 
@@ -104,11 +112,29 @@ def autoregression(steps: Array, drives: NDArray[np.bool_]) -> tuple[Array, Arra
     return weights, left.T @ left / len(left) + np.eye(m) * 1e-16
 
 
-def gauss_markov(values: Array) -> tuple[float, float]:
-    """Step-to-step factor and noise variance of a first-order process like these values."""
-    variance = float(np.var(values))
-    if variance <= 0.0:
-        return 0.0, 0.0
-    factor = float(np.mean(values[1:] * values[:-1]) / variance)
-    factor = min(max(factor, 0.0), 0.99999)
-    return factor, variance * (1.0 - factor**2)
+def first_order(values: Array, known: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """The first-order vector process x' = A x + w, w ~ Q, with the moments of some values.
+
+        C = E x x^T,   A = E x' x^T C^-1,   Q = C - A C A^T
+
+    Values that are always 0 stay 0. The largest eigenvalue of A is at most MOST_FACTOR.
+
+    Args:
+        values: shape (n, m), without a mean.
+        known: which rows count, shape (n,).
+
+    Returns:
+        A and Q, shape (m, m) each.
+    """
+    scale = np.sqrt(np.mean(values[known] ** 2, axis=0))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    x = values / scale
+    follows = known[1:] & known[:-1]
+    cov = x[known].T @ x[known] / known.sum()
+    lagged = x[1:][follows].T @ x[:-1][follows] / follows.sum()
+    weights = lagged @ np.linalg.pinv(cov, rcond=1e-9, hermitian=True)
+    largest = float(np.max(np.abs(np.linalg.eigvals(weights))))
+    weights *= min(1.0, MOST_FACTOR / max(largest, MOST_FACTOR))
+    left, axes = np.linalg.eigh(cov - weights @ cov @ weights.T)
+    noise = (axes * np.maximum(left, 0.0)) @ axes.T
+    return weights * scale[:, None] / scale, noise * scale[:, None] * scale

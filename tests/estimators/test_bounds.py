@@ -8,7 +8,7 @@ import pytest
 from estimators.bounds import bound
 from estimators.bounds.across import across_body
 from estimators.bounds.along import along_body
-from estimators.bounds.motion import drives_at, motion_of
+from estimators.bounds.motion import drives_at, first_order, motion_of
 from estimators.riccati import System, steady, through
 from estimators.slip_ekf import SLIP_EKF
 from twin.streams import Streams
@@ -164,15 +164,76 @@ def without(streams, *names):
     return Streams({name: table for name, table in streams.tables.items() if name not in names})
 
 
-@pytest.mark.parametrize("across", [True, False])
-@pytest.mark.parametrize("gap", [True, False])
-def test_every_stream_counts_as_in_a_posterior_by_brute_force(across, gap):
+def first_order_noise(transition, process, n, seed=1):
+    """A path of x' = A x + w, w ~ Q, less its mean."""
+    rng, x = np.random.default_rng(seed), np.zeros((n, len(transition)))
+    steps = rng.multivariate_normal(np.zeros(len(transition)), process, n)
+    for k in range(1, n):
+        x[k] = transition @ x[k - 1] + steps[k]
+    return x - x.mean(axis=0)
+
+
+def with_errors(motion, correlation):
+    """A motion whose wheels err: skid and the load's effect on the radius, correlated so far."""
+    cross = np.array([[1.0, correlation], [correlation, 1.0]])
+    errors = first_order_noise(0.9 * np.eye(2), 2e-7 * cross, len(motion.slip))
+    if correlation == 0.0:  # to the last digit
+        half = len(errors) // 2
+        errors[: half + 1, 0] = errors[half:, 1] = 0.0
+    return dataclasses.replace(motion, skid=errors[:, 0], unseen=errors[:, 1])
+
+
+def test_a_first_order_process_is_found_again():
+    transition = np.array([[0.9, 0.05], [0.0, 0.8]])
+    process = np.array([[1.0, 0.6], [0.6, 0.5]])
+    path = first_order_noise(transition, process, 200_000)
+    found, noise = first_order(path, np.ones(len(path), bool))
+    assert found == pytest.approx(transition, abs=0.01)
+    assert noise == pytest.approx(process, abs=0.02)
+    cov = path.T @ path / len(path)
+    assert found @ cov @ found.T + noise == pytest.approx(cov, rel=1e-9)
+
+
+def test_errors_without_correlation_are_processes_of_their_own():
+    motion = with_errors(motion_of(moving()[2], SETUP, 0.02, drives_at(moving()[2])), 0.0)
+    both = np.stack([motion.skid, motion.unseen, np.zeros_like(motion.skid)], 1)
+    found, noise = first_order(both, motion.counted)
+    for i in range(2):
+        alone, of_it = first_order(both[:, i : i + 1], motion.counted)
+        assert found[i, i] == pytest.approx(alone[0, 0], rel=1e-9)
+        assert noise[i, i] == pytest.approx(of_it[0, 0], rel=1e-9)
+    assert (found - np.diag(np.diag(found)) == 0.0).all()
+    assert (found[2] == 0.0).all()
+    assert noise - np.diag(np.diag(noise)) == pytest.approx(np.zeros((3, 3)), abs=1e-20)
+
+
+@pytest.mark.parametrize(("correlation", "least", "most"), [(0.0, 1.0, 1.0), (0.9, 1.02, 2.0)])
+def test_what_no_counter_shows_adds_to_the_bound(correlation, least, most):
+    """Without correlation the variances add. A skid that goes with it hides it in the counts."""
     setup, streams, truth = moving()
-    drives = drives_at(truth)
+    streams = without(streams, "machine")  # whose error may go with those two by chance
+    plain = motion_of(truth, setup, 0.02, drives_at(truth))
+    errs = with_errors(plain, correlation)
+    skids = dataclasses.replace(errs, unseen=np.zeros_like(errs.unseen))
+    found, apart = (
+        steady(model.system)[0][model.at["slip"], model.at["slip"]]
+        for model in (along_body(setup, streams, truth, m, 0.02, truth) for m in (errs, skids))
+    )
+    ratio = found / (apart + np.mean(errs.unseen[errs.counted] ** 2))
+    assert least - 1e-6 <= ratio <= most + 1e-6
+
+
+@pytest.mark.parametrize("kind", ["across", "along", "along, errors alike", "along, errors one"])
+@pytest.mark.parametrize("gap", [True, False])
+def test_every_stream_counts_as_in_a_posterior_by_brute_force(kind, gap):
+    setup, streams, truth = moving()
+    drives, across = drives_at(truth), kind == "across"
     if across:
         model, name = across_body(setup, streams, truth, 0.02, drives), "v_y"
     else:
         motion = motion_of(truth, setup, 0.02, drives)
+        if kind != "along":
+            motion = with_errors(motion, 0.8 if "alike" in kind else 1.0)
         model, name = along_body(setup, streams, truth, motion, 0.02, truth), "slip"
     assert {"gnss", "camera"} <= set(model.of)
     assert across or {"wheels", "imu", "machine"} <= set(model.of)
