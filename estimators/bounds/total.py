@@ -49,7 +49,8 @@ class _Drive:
     epoch_ns: NDArray[np.int64]
     speed_mps: Array
     heading_rad: Array
-    roll_rad: Array
+    sunk_rad: Array
+    """Roll of the body against the ground."""
     runs: NDArray[np.bool_]
     """Whether it is the run, in which the machine slides."""
     sds: Array
@@ -63,8 +64,9 @@ class _Drive:
 
 
 def total_sd_m(
-    setup: Setup, streams: Streams, truth: Table, window_s: tuple[float, float]
-) -> float:
+    setup: Setup, streams: Streams, truth: Table, window_s: tuple[float, float],
+    lean_rad: float = 0.0,
+) -> float:  # fmt: skip
     """Least sd of what the centre of gravity slides by within a window, told at its end [m].
 
     The states of `NOW` to `TOTAL` move from sample to sample, with the true speed v, heading and
@@ -78,8 +80,9 @@ def total_sd_m(
 
     GNSS measures, at its rate and with the sd that it states, or else its data sheet,
 
-        heading + askew - tan(roll) stance,   v heading + v_y,   (east, north) + off
+        heading + askew - tan(roll - lean) stance,   v heading + v_y,   (east, north) + off
 
+    Where the body leans with the ground, how it noses down turns its way as it turns the baseline.
     Positions count where they are fixed. Speed, roll and gravity's direction count as known, which
     makes the bound smaller, if at all. A prior of how tyres slide under an implement is not
     counted.
@@ -89,6 +92,7 @@ def total_sd_m(
         streams: of the whole drive; a camera is not counted.
         truth: of the run: speed_mps, v_y_rear_mps and the attitude qw, qx, qy, qz.
         window_s: first and last second of the total.
+        lean_rad: how the ground leans across the run, its left up.
 
     Raises:
         ValueError: the set-up has no GNSS or IMU, or fewer than 200 samples of driving are in the
@@ -96,7 +100,7 @@ def total_sd_m(
     """
     if setup.gnss is None or setup.imu is None:
         raise ValueError("a total's bound needs setup.gnss and setup.imu")
-    drive = _whole(setup, setup.gnss, setup.imu, streams, truth)
+    drive = _whole(setup, setup.gnss, setup.imu, streams, truth, lean_rad)
     first_ns, last_ns = (round(end * 1e9) for end in window_s)
     slides = _autoregression(truth, first_ns, last_ns)
     p = _first(setup.gnss, setup.imu)
@@ -119,7 +123,9 @@ def total_sd_m(
     return math.sqrt(p[TOTAL, TOTAL])
 
 
-def _whole(setup: Setup, gnss: GnssSetup, imu: ImuSetup, streams: Streams, truth: Table) -> _Drive:
+def _whole(
+    setup: Setup, gnss: GnssSetup, imu: ImuSetup, streams: Streams, truth: Table, lean_rad: float
+) -> _Drive:
     """The drive before the run by GNSS's own samples, the run by the truth's."""
     table, start_ns = streams["gnss"], truth["epoch_ns"][0]
     before = {name: column[table["epoch_ns"] < start_ns] for name, column in table.items()}
@@ -140,7 +146,7 @@ def _whole(setup: Setup, gnss: GnssSetup, imu: ImuSetup, streams: Streams, truth
         heading_rad=np.concatenate(
             [np.nan_to_num(before["heading_rad"]) - gnss.heading_mount_rad, heading]
         ),
-        roll_rad=np.concatenate([np.zeros(count), roll]),
+        sunk_rad=np.concatenate([np.zeros(count), roll - lean_rad]),
         runs=np.concatenate([np.zeros(count, bool), np.ones(runs, bool)]),
         sds=np.concatenate([sds, during]),
         gnss=gnss,
@@ -229,7 +235,7 @@ def _step(drive: _Drive, k: int, dt: float, slides: tuple[Array, float]) -> Syst
         q[off, off] = (LASTING_SHARE * gnss.position_sd_m) ** 2 * (1.0 - keep**2)
     rows = np.zeros((4, SIZE))
     rows[0, HEADING] = rows[0, ASKEW] = 1.0
-    rows[0, STANCE] = _by_pitch(gnss.heading_mount_rad, drive.roll_rad[k])
+    rows[0, STANCE] = _by_pitch(gnss.heading_mount_rad, drive.sunk_rad[k])
     rows[1, HEADING], rows[1, NOW] = speed, 1.0
     rows[2, EAST] = rows[2, OFF_E] = rows[3, NORTH] = rows[3, OFF_N] = 1.0
     heading_sd, velocity_sd, white_m = drive.sds[k]

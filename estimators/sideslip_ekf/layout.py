@@ -83,6 +83,7 @@ MEMORY = np.dtype(
         ("grade", "f8"), ("grade_s", "f8"), ("ground", "f8", 2), ("ground_s", "f8"),
         ("surveyed", "i8"),
         ("pulls", "i8"), ("pulls_s", "f8"), ("depth_told", "i8"), ("slip", "f8"), ("level", "i8"),
+        ("uneven", "f8", 2),
         ("sector_felt", "f8", (SECTORS, 2)), ("sector_s", "f8", SECTORS), ("stretch_s", "f8"),
         # learnt
         ("law_var", "f8"), ("law_s", "f8"), ("stance_s", "f8"), ("steady_rad", "f8"),
@@ -104,7 +105,8 @@ specific force ahead and to the left over half a second, `felt_slow` over some, 
 `tilt`: how far the ground's normal leans forward and left in the camera's axes, where it tells
 that (`tilted`);
 `ground`: gradient of the ground to the east and north, told while nothing is pulled (`surveyed`);
-`sector_*`: what was felt along each heading; `law_var`: variance of the law of sliding [rad2];
+`sector_*`: what was felt along each heading; `uneven`: the part of it, ahead and to the left, that
+is from level ground that leans a little [m/s2]; `law_var`: variance of the law of sliding [rad2];
 `steady_rad`: its angle, averaged; `lateral_psd`: density of the lateral speed's walk from frame to
 frame; `accel`, `accel_var`, `accel_psd`: the last forces, variance and density of their white
 noise; `unrest`: factor of what no accelerometer tells; `excess`: of the gyro's noise; `agree`: how

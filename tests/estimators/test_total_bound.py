@@ -38,7 +38,7 @@ SETUP = Setup(
 )
 
 
-def least(before=True, roll_rad=0.0, changed=None, **noises):
+def least(before=True, roll_rad=0.0, lean_rad=0.0, changed=None, **noises):
     """The bound of a straight run to the east, which leans by so much.
 
     `changed` makes other columns of GNSS from the time since the run's start.
@@ -70,7 +70,7 @@ def least(before=True, roll_rad=0.0, changed=None, **noises):
         "qy": 0.0 * some,
         "qz": 0.0 * some,
     }
-    return total_sd_m(setup, Streams({"gnss": gnss}), truth, (START_S, START_S + RUN_S))
+    return total_sd_m(setup, Streams({"gnss": gnss}), truth, (START_S, START_S + RUN_S), lean_rad)
 
 
 def test_without_a_drive_before_the_mounting_angle_goes_on_for_the_whole_way():
@@ -100,6 +100,7 @@ def test_fixed_positions_tell_what_slides():
 def test_a_body_that_leans_turns_the_baseline_by_the_pitch_that_is_not_known():
     due = STANCE_SD_RAD * math.tan(0.15) * SPEED_MPS * RUN_S
     assert least(roll_rad=0.15) == pytest.approx(due, rel=0.02)
+    assert least(roll_rad=0.25, lean_rad=0.1) == pytest.approx(due, rel=0.03)
 
 
 def test_a_heading_that_is_masked_tells_nothing_more():

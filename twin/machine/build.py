@@ -77,6 +77,7 @@ def assemble(
     setting: Setting | None = None,
     find: Callable[[Setting], Setting] | None = None,
     dress: Callable[[mujoco.MjSpec], None] | None = None,
+    maps: dict[str, GridMap] | None = None,
 ) -> Machine:
     """Compile the machine of a scenario, put it at the start of its course, and install the laws.
 
@@ -89,6 +90,7 @@ def assemble(
         setting: lever and depth-wheel setting of the plough; None for `by_geometry`.
         find: where `setting` is None, computes the setting from that of `by_geometry`.
         dress: adds visual geometry to the specification before it is compiled.
+        maps: of the ground; None for the scenario's.
     """
     install()
     spec, numbers = joined(scenario.machine_file, scenario.implement_file)
@@ -96,7 +98,7 @@ def assemble(
         if (rim := spec.geom(geom)) is not None:
             rim.contype = rim.conaffinity = 0
     rotation = world_from_ground(scenario.field, scenario.course)
-    maps = ground_maps(scenario)
+    maps = ground_maps(scenario) if maps is None else maps
     _add_ground(spec, rotation, maps, numbers)
     _add_activations(spec)
     if scenario.plough is not None:

@@ -46,11 +46,16 @@ class Drive:
 def drive(scenario: Scenario, seed: int) -> Drive:
     """Drive a scenario, estimate, compare. Raises BadInput, Diverged."""
     done = run(replace(scenario, seed=seed), estimators={})
-    return compared(done.setup, done.streams, done.truth)
+    lean_rad = math.radians(scenario.field.cross_slope_deg)
+    return compared(done.setup, done.streams, done.truth, lean_rad)
 
 
-def compared(setup: Setup, streams: Streams, truth: Table) -> Drive:
+def compared(setup: Setup, streams: Streams, truth: Table, lean_rad: float) -> Drive:
     """Estimates of a drive against its truth, which begins with the run.
+
+    Args:
+        setup, streams, truth: of the drive.
+        lean_rad: how the ground leans across the run.
 
     Raises:
         ValueError: fewer than 200 samples of driving.
@@ -69,11 +74,14 @@ def compared(setup: Setup, streams: Streams, truth: Table) -> Drive:
     driven = scored & np.isfinite(angle) & ~scores.is_slow(truth, part["epoch_ns"])
     within = np.abs(angle[driven]) <= 2.0 * part["sideslip_sd_rad"][driven]
     true_m = scores.at(truth, "sideslip_m", part["epoch_ns"])[scored]
+    bound_m = math.nan
+    if "camera" not in streams:
+        bound_m = total_sd_m(setup, streams, truth, window_s, lean_rad)
     every = max(round(STEP_S / float(np.median(np.diff(part["epoch_ns"]) * 1e-9))), 1)
     return Drive(
         total_m=float(true_m[-1] - true_m[0]),
         error_m=float(off[-1] - off[scored][0]),
-        bound_m=math.nan if "camera" in streams else total_sd_m(setup, streams, truth, window_s),
+        bound_m=bound_m,
         run_error_m=float(off[-1]),
         run_sd_m=float(sd[-1]),
         total_covered=float(np.mean((np.abs(off) <= 2.0 * sd)[every::every])),

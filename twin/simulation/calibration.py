@@ -20,8 +20,11 @@ from twin.simulation.build import build
 from twin.simulation.levers import SetLevers
 from twin.simulation.simulate import simulate
 from twin.streams import Streams
+from twin.terrain.maps import ground_maps
 from twin.trajectory.trajectory import Trajectory
 
+BACK_DEG = 180.0
+"""Heading of the leg back."""
 PAUSE_S = 6.0
 """Length of a pause [s]: longer than what any estimator here takes for the same drive."""
 
@@ -43,8 +46,16 @@ def legs(scenario: Scenario) -> tuple[Scenario, ...]:
             events=(),
             course=Course(approach_m=0.0, length_m=course.calibration_m, heading_deg=heading_deg),
         )
-        for heading_deg in (0.0, 180.0)
+        for heading_deg in (0.0, BACK_DEG)
     )
+
+
+def leg_machine(leg: Scenario) -> Machine:
+    """The machine of a leg; that back drives on the ground of that out, which lies turned there."""
+    if leg.course.heading_deg != BACK_DEG:
+        return build(leg)
+    maps = {name: grid.turned(leg.course.length_m) for name, grid in ground_maps(leg).items()}
+    return build(leg, maps=maps)
 
 
 @dataclass(frozen=True)
@@ -80,7 +91,7 @@ class Recording:
     def chunks(self) -> Iterator[Trajectory]:
         """The calibration's trajectory, contiguous, with its pauses; each call drives it again."""
         for leg in self.legs:
-            for chunk in simulate(build(leg.scenario)):
+            for chunk in simulate(leg_machine(leg.scenario)):
                 yield _shifted(chunk, leg.start_ns, leg.wheel_angle_rad)
             yield leg.pause
 
@@ -111,7 +122,7 @@ def record(machine: Machine, first: Trajectory) -> Recording:
     Raises:
         Diverged: a state is not finite, or MuJoCo warned.
     """
-    driven = [(leg, *_ends(simulate(build(leg)))) for leg in legs(machine.scenario)]
+    driven = [(leg, *_ends(simulate(leg_machine(leg)))) for leg in legs(machine.scenario)]
     found = Recording()
     for number, (scenario, _, last) in enumerate(driven):
         after = driven[number + 1][1] if number + 1 < len(driven) else first

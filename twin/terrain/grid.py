@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,13 @@ class GridMap:
 
         place = np.stack([row, column])
         return map_coordinates(self.nodes, place, order=2, prefilter=False, mode="nearest")
+
+    def turned(self, length_m: float) -> GridMap:
+        """The same ground for a way back from s = length: s' = length - s, t' = -t."""
+        rows, columns = self.nodes.shape
+        start_m = length_m - self.start_m - (columns - 1) * self.cell_m
+        right_m = -self.right_m - (rows - 1) * self.cell_m
+        return replace(self, nodes=self.nodes[::-1, ::-1], start_m=start_m, right_m=right_m)
 
 
 def _between_nodes(nodes: Array, row: Array, column: Array) -> Array:

@@ -4,10 +4,10 @@ import dataclasses
 
 import numpy as np
 import pytest
-from slides import SETUP, slides
+from slides import LEG_S, SETUP, slides
 
 from estimators.sideslip_ekf import SideslipEkf
-from estimators.sideslip_ekf.layout import MISALIGNED, PITCH
+from estimators.sideslip_ekf.layout import BIAS_Y, MISALIGNED, PITCH, ROLL
 from twin.streams import Streams
 from twin.testing import check_estimator
 
@@ -102,6 +102,30 @@ def test_antennas_askew_by_a_degree_are_found_there_and_back(seed):
         state, _ = own.run(own.init(SETUP), turned)
         found.append(state.memory["x"][0][MISALIGNED])
     assert found[1] - found[0] == pytest.approx(np.radians(1.0), abs=np.radians(0.1))
+
+
+@pytest.mark.parametrize("lean_rad", [0.005, 0.02])
+def test_ground_that_is_not_quite_level_is_told_from_a_bias_there_and_back(lean_rad):
+    """Half a degree changes its sign on the way back; what leans more is no level ground."""
+    streams, *_, begin_s = slides(blind=True)
+    before = {
+        name: {c: v[t["epoch_ns"] < (begin_s - 1) * 1e9] for c, v in t.items()}
+        for name, t in streams.tables.items()
+    }
+    out = before["imu"]["epoch_ns"] < (LEG_S + 1) * 1e9
+    leans = 9.81 * lean_rad * np.where(out, 1.0, -1.0)
+    own = SideslipEkf()
+    found = []
+    for more in (0.0, leans):
+        imu = before["imu"] | {"accel_y_mps2": before["imu"]["accel_y_mps2"] + more}
+        state, _ = own.run(own.init(SETUP), Streams({**before, "imu": imu}))
+        memory = state.memory[0]
+        found.append((memory["x"][BIAS_Y], memory["x"][ROLL], memory["level"]))
+    (bias, _, _), (moved, roll, level) = found
+    assert level == (lean_rad < 0.01)
+    if level:
+        assert moved == pytest.approx(bias, abs=0.005)
+        assert roll == pytest.approx(-lean_rad, abs=5e-4)
 
 
 @pytest.mark.parametrize("seed", range(3))
