@@ -36,8 +36,9 @@ from twin.compute.compiled import array_law
 MEASURED_PSD, WHEEL_ACCEL_SD = 0.3, 0.06
 """Density of slip's own noise where the wheels have an accelerometer [1/s3], and its sd [m/s2]; the
 IMA-PKF paper's."""
-JUMP_MPS = 2.0
-"""No wheel changes its speed by more between two samples, beyond what jitter makes [m/s]."""
+JUMP_MPS, JUMP_MPS2 = 2.0, 10.0
+"""No wheel changes its speed by more between two samples, beyond what jitter makes [m/s], nor, over
+a gap, by more than a tyre brakes on a dry road [m/s2]."""
 MOST_REFUSED = 10
 """Samples in a row of turning driven wheels, none of them usable, that are refused."""
 RIM_S = 3.0
@@ -76,7 +77,7 @@ def take_wheels(
         memory.wheels_ns = signal.epoch_ns
         return
     dt = (signal.epoch_ns - memory.wheels_ns) * 1e-9
-    jump = JUMP_MPS
+    jump = max(JUMP_MPS, JUMP_MPS2 * dt)
     if tau > 0.0:
         jump += OUTLIER_SD * abs(memory.rim_mps) * math.sqrt(2.0 * memory.jitter_var) / (2.0 * tau)
     yawing(signal, dt, jump, nominal, memory)

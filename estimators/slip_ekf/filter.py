@@ -19,11 +19,12 @@ from estimators.layout import (
 )
 from estimators.slip_ekf import motion
 from estimators.slip_ekf.camera import take_camera
+from estimators.slip_ekf.clock import catch_up, note_out_of_order
 from estimators.slip_ekf.counts import take_wheels
 from estimators.slip_ekf.gnss import take_gnss
 from estimators.slip_ekf.imu import take_imu
 from estimators.slip_ekf.jerk import fading_s, jerk_densities
-from estimators.slip_ekf.judge import has_accelerometer
+from estimators.slip_ekf.judge import forget_accelerations, has_accelerometer
 from estimators.slip_ekf.layout import (
     FROM_GNSS,
     FROM_TOWED,
@@ -49,6 +50,7 @@ def loop(
         signal = signals[i]
         memory.flags |= signal.flags
         if signal.flags & OUT_OF_ORDER:
+            note_out_of_order(signal, memory)
             continue
         advance(signal.epoch_ns, nominal, tuning, memory, f, q, scratch)
         if measure(signal, slow[i], h, nominal, tuning, memory):
@@ -66,7 +68,9 @@ def kept_innovations(
     h = np.zeros(SIZE)
     f, q, scratch = np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
     for i in range(len(signals)):
-        if not signals[i].flags & OUT_OF_ORDER:
+        if signals[i].flags & OUT_OF_ORDER:
+            note_out_of_order(signals[i], memory)
+        else:
             advance(signals[i].epoch_ns, nominal, tuning, memory, f, q, scratch)
             measure(signals[i], slow[i], h, nominal, tuning, memory)
             count = keep(memory.notes, signals[i], kept, count)
@@ -104,6 +108,8 @@ def advance(
     scratch: Array,
 ) -> None:
     """Predict to a newer epoch; start again after a gap."""
+    if epoch_ns > memory.time_ns:
+        catch_up(memory)
     dt = (epoch_ns - memory.time_ns) * 1e-9
     if memory.time_ns >= 0 and dt > STALE_S:
         memory.known = 0
@@ -114,6 +120,7 @@ def advance(
         memory.flags |= RESTARTED
     elif memory.time_ns >= 0 and dt > 0.0 and memory.known:
         memory.travelled_m += memory.x[V] * dt
+        forget_accelerations(dt, memory)
         jerk, wheel, both = jerk_densities(has_accelerometer(memory), tuning, memory)
         fading = fading_s(tuning, memory)
         front_turn_mps = nominal.wheelbase_m * memory.yaw_rate

@@ -32,6 +32,8 @@ OFF_SHARE = 0.1
 """Share of a sample in the mean by which a source is off."""
 HYSTERESIS = 0.5
 """Once refused, a speed is taken again within this share of the gate."""
+GAP_STEPS = 10.0
+"""A step of more intervals of the accelerometer than this is a gap, as for counters."""
 SLOW_MPS, MOST_SHARE = 0.5, 0.1
 """Below this speed a scale's error is not seen; the most that a scale changes at once."""
 
@@ -100,7 +102,20 @@ def accepted(
 @array_law
 def has_accelerometer(memory: Record) -> bool:
     """Whether an accelerometer has given a sample within a second."""
-    return bool(memory.accel_count > 0 and memory.time_ns - memory.accel_ns[0] < 1e9)
+    return bool(memory.accel_ns[0] >= 0 and memory.time_ns - memory.accel_ns[0] < 1e9)
+
+
+@array_law
+def forget_accelerations(dt: float, memory: Record) -> None:
+    """No accelerometer saw how the motion changed in a step of much more than its interval.
+
+    Args:
+        dt: the step [s].
+        memory: record, changed.
+    """
+    newest, before = memory.accel_ns[0], memory.accel_ns[1]
+    if before >= 0 and dt > GAP_STEPS * (newest - before) * 1e-9:
+        memory.accel_ns[:] = -1
 
 
 @array_law

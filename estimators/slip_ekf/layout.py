@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from estimators.innovations import NOTES
 from estimators.slip_ekf.held import HELD
+from twin.streams import COLUMNS
 
 V, A, W, W_RATE = range(4)
 """Ground speed [m/s], its acceleration [m/s2], speed of the driven wheels as their nominal radius
@@ -61,6 +62,7 @@ MEMORY = np.dtype(
     [
         ("x", "f8", SIZE), ("p", "f8", (SIZE, SIZE)), ("known", "i8"), ("flags", "i8"),
         ("time_ns", "i8"), ("measured_ns", "i8"), ("wheels_ns", "i8"), ("imu_ns", "i8"),
+        ("again_ns", "i8", (len(COLUMNS), 2)), ("again_count", "i8", len(COLUMNS)),
         ("first_mps", "f8"), ("first_var", "f8"), ("first_ns", "i8"),
         # by source
         ("seen_ns", "i8", SOURCES), ("seen_mps", "f8", SOURCES), ("refused_ns", "i8", SOURCES),
@@ -93,6 +95,9 @@ MEMORY = np.dtype(
     align=True,
 )  # fmt: skip
 """A plain value.
+
+`again_*`: by sensor, the first and the last epoch that were out of order since one was new, and how
+many there were.
 
 `first_*`: a ground speed from before the filter knows one, its variance, and its epoch.
 

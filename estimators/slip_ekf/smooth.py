@@ -18,6 +18,7 @@ from estimators.estimate import SLOW_MPS
 from estimators.kalman import Array, Record
 from estimators.layout import OUT_OF_ORDER
 from estimators.slip_ekf import SLIP_EKF, SlipEkf, State, motion
+from estimators.slip_ekf.clock import catch_up, note_out_of_order
 from estimators.slip_ekf.filter import advance, measure
 from estimators.slip_ekf.held import USED, held
 from estimators.slip_ekf.jerk import fading_s
@@ -94,7 +95,10 @@ def _forward(
     for i in range(len(samples)):
         signal = samples[i]
         if signal.flags & OUT_OF_ORDER:
+            note_out_of_order(signal, memory)
             continue
+        if signal.epoch_ns > memory.time_ns:
+            catch_up(memory)
         was_ns = memory.time_ns
         rim, turn = memory.rim_mps, nominal.wheelbase_m * memory.yaw_rate
         fading = fading_s(tuning, memory)
