@@ -56,13 +56,13 @@ def main(args: Sequence[str]) -> int:
     controllers = compare.with_oracle(
         controllers, options.env, options.episodes, options.duration_s
     )
-    with progress("comparing", shown=options.talks) as told:
+    with progress("comparing", shown=options.talks) as report:
         done = compare.compare(
             controllers,
             options.episodes,
             options.duration_s,
             options.observation,
-            told,
+            report,
             options.env,
         )
     found = compare.rows(done.measured, against=_against(done.measured))

@@ -51,9 +51,9 @@ def main(args: Sequence[str]) -> int:
     module, _, function = REGISTRY[args[0]].partition(":")
     if options.talks:
         say(f"{ABOUT[args[0]]}; {options.trials} seeds", stderr=True)
-    with counting(args[0], "runs", shown=options.talks) as told:
+    with counting(args[0], "runs", shown=options.talks) as report:
         experiment = getattr(import_module(module), function)
-        with reporting(told):
+        with reporting(report):
             measured = experiment(trials=options.trials, jobs=options.jobs)
     said = _said(args[0], measured)
     if options.talks:

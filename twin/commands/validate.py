@@ -51,7 +51,7 @@ def main(args: Sequence[str]) -> int:
     from twin.compute.parallel import reporting
     from twin.validate import page, suite
 
-    with counting("validating", "checks", shown=options.talks) as told, reporting(told):
+    with counting("validating", "checks", shown=options.talks) as report, reporting(report):
         if options.machine is None:
             found = suite.checks(jobs=options.jobs, quick=options.quick)
         else:

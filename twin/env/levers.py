@@ -46,8 +46,8 @@ class Levers(NamedTuple):
 def lift_sine(depth_set_m: Number, lever: Levers) -> Number:
     """Sine of the lower links' angle above the horizontal at a depth set point; elementwise [-].
 
-    sine = (sole_m - depth_set_m - axle_m - pivot_m) / length_m, limited to [-1, 1]; the hitch points
-    are sole_m - depth_set_m above the ground, and the pivot axle_m + pivot_m.
+    sine = (sole_m - depth_set_m - axle_m - pivot_m) / length_m, limited to [-1, 1].
+    Above the ground, the hitch points are at sole_m - depth_set_m, the pivot at axle_m + pivot_m.
     """
     rise_m = lever.sole_m - depth_set_m - lever.axle_m - lever.pivot_m
     sine: Number = np.maximum(-1.0, np.minimum(1.0, rise_m / lever.length_m))

@@ -35,7 +35,7 @@ def estimate(
     offset_s: Mapping[str, float] | None = None,
     hide_s: Sequence[float] = (),
     tuning: Path | None = None,
-    told: Callable[[int, int], None] = lambda done, total: None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Result:
     """Read a log and run the estimators on it.
 
@@ -48,7 +48,7 @@ def estimate(
         offset_s: file name -> how far its clock is ahead of the first file's [s].
         hide_s: times for which GNSS is hidden to score the predicted speed [s]; empty for none.
         tuning: file of `twin tune` with other noises for some of them.
-        told: called with the number of estimators that are done, and of all.
+        progress: called as progress(done, total) with numbers of estimators.
 
     Raises:
         BadInput: the log or the map cannot be used; says which value, and what would do.
@@ -60,7 +60,7 @@ def estimate(
     files = [paths] if isinstance(paths, Path) else list(paths)
     read = logs.read(files, column_map, reader, strict=strict, offset_s=offset_s)
     log, steady, beside = prepared(read)
-    done = all_estimates(estimators, log.setup, log.streams, told)
+    done = all_estimates(estimators, log.setup, log.streams, progress)
     hidden = {"hidden": hidden_scores(log, estimators, hide_s)} if hide_s else {}
     known = reference(log, files[0]) or {}
     found = findings(log, done.tables, steady, protocol_spans_ns(beside))
@@ -189,9 +189,9 @@ def prepared(log: Log) -> tuple[Log, SteadySlip | None, dict[str, Plain]]:
     scale = log_check.log_scale(log)
     scaled = log_check.scaled(log, scale.scale)
     steady = log_check.steady_slip(log) if "steady" in log.rules else None
-    told = {"scale": scale.scale, "low": scale.low, "high": scale.high, "n": scale.n,
+    calibration = {"scale": scale.scale, "low": scale.low, "high": scale.high, "n": scale.n,
             "rule": scale.rule}  # fmt: skip
-    return scaled, steady, beside | {"zero_slip_scale": told}
+    return scaled, steady, beside | {"zero_slip_scale": calibration}
 
 
 def _zero_slip(log: Log, beside: Mapping[str, Plain]) -> str:
