@@ -108,7 +108,8 @@ def by_rollouts(task: Task) -> Calibration:
     front_m = numbers["tyre_front.free_rolling_radius_m"]
     if block is not None and turned:
         front_m, rear_m = block.radius_m["fl"], block.radius_m["rl"]
-    drawn = Drawn(task.machine, part, task.soil, depth_m, "fl" in task.log.setup.driven)
+    drawn = Drawn(task.machine, part, task.soil, depth_m, "fl" in task.log.setup.driven,
+                  depth_by_laser="depth_m" in rows)  # fmt: skip
     conditions = tuple(Condition(s.working, Driven(exact[g], set_names[g])) for s, g in kept)
     prior = prior_of(task, names, own)
     fixed = {n: own[n][0] for n in ("log.reference_torque_nm",) if n not in names}

@@ -22,6 +22,7 @@ from twin.calibration.evidence import Evidence
 from twin.calibration.known import known
 from twin.machine.build import Machine, assemble
 from twin.machine.fuel import fuel_lph
+from twin.machine.geometry import geometry
 from twin.physics import block
 from twin.physics.block import MachineSlot, WheelSlot
 from twin.scenario import Course, Drive, Field, Plough, Scenario, Soil
@@ -74,6 +75,8 @@ class Drawn:
     soil: Soil
     depth_m: float
     all_wheel_drive: bool
+    depth_by_laser: bool = False
+    """Whether `depth_m` is what the plough's laser reads; else it is the depth of the shares."""
     timestep_s: float = 0.002
 
     def scenario(self, values: Values, gear: Gear) -> Scenario:
@@ -100,6 +103,8 @@ class Snapshot:
     driver: np.void
     asked_mps: float
     """Speed of its rims without load."""
+    laser_depth_m: float = math.nan
+    """Working depth as the plough's laser reads it; NaN with the plough up."""
 
 
 @dataclass
@@ -167,8 +172,15 @@ class Rollouts:
     def _start(self) -> tuple[Machine, dict[bool, Snapshot]]:
         if self._started is None:
             (values,) = self._sets(self.begin[None])
-            machine = build(self.drawn.scenario(values, self.conditions[0].gear))
-            self._started = machine, _snapshots(machine)
+            gear = self.conditions[0].gear
+            machine = build(self.drawn.scenario(values, gear))
+            snapshots = _snapshots(machine)
+            if self.drawn.depth_by_laser:  # the tilted frame's laser reads another depth
+                deeper_m = self.drawn.depth_m - snapshots[True].laser_depth_m
+                self.drawn = replace(self.drawn, depth_m=self.drawn.depth_m + deeper_m)
+                machine = build(self.drawn.scenario(values, gear))
+                snapshots = _snapshots(machine)
+            self._started = machine, snapshots
         return self._started
 
     def _channels(self, sets: list[dict[str, float]], means: Array) -> Array:
@@ -202,9 +214,9 @@ def _snapshots(machine: Machine) -> dict[bool, Snapshot]:
     run = CourseRun(machine)
     simulation, kept = run.simulation, {}
 
-    def keep() -> Snapshot:
+    def keep(laser_depth_m: float = math.nan) -> Snapshot:
         return Snapshot(simulation.state[0].copy(), simulation.drivers[0].copy(),
-                        asked_mps(machine))  # fmt: skip
+                        asked_mps(machine), laser_depth_m)  # fmt: skip
 
     with quiet():
         for _ in range(round(AT_WORK_S / DECISION_S)):
@@ -214,10 +226,19 @@ def _snapshots(machine: Machine) -> dict[bool, Snapshot]:
             return {False: kept[False], True: kept[False]}
         while not math.isfinite(run.driver["full_depth_at_m"]):
             run.act()
+        heights_m = []
         for _ in range(round(AT_WORK_S / DECISION_S)):
             run.act()
-        kept[True] = keep()
+            heights_m.append(_laser_height_m(simulation))
+        hold = round(HOLD_S / DECISION_S)
+        kept[True] = keep(geometry(machine).depth_zero_m - float(np.mean(heights_m[-hold:])))
     return kept
+
+
+def _laser_height_m(simulation: Simulation) -> float:
+    """Height of the plough's laser above level ground."""
+    first = int(simulation.machine.model.sensor("plough.laser_w").adr[0])
+    return float(simulation.batch.bind("sensordata")[0, first + 2])
 
 
 def _prepare(
