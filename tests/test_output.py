@@ -21,7 +21,7 @@ from rich.console import Console
 
 from twin import cli
 from twin.commands import terminal
-from twin.compute.parallel import many, telling
+from twin.compute.parallel import many, reporting
 from twin.io import atomic as written
 
 ROW = {"case": "step", "quantity": "share", "ours": 0.44, "high": 0.8, "passed": True}
@@ -86,7 +86,7 @@ def test_a_rig_is_quiet_or_gives_its_columns(
 
 def test_runs_are_told_as_they_end_and_those_inside_them_are_not() -> None:
     told: list[tuple[int, int]] = []
-    with telling(lambda done, total: told.append((done, total))):
+    with reporting(lambda done, total: told.append((done, total))):
         assert many([delayed(many)([delayed(abs)(-1)]), delayed(abs)(-2)]) == [[1], 2]
     assert [done for done, _ in told] == sorted(done for done, _ in told)
     assert told[0] == (0, 2)

@@ -13,7 +13,7 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-from twin.compute.waiting import told_of_compiling
+from twin.compute.waiting import when_compiling
 from twin.errors import BadInput, NoSpace, TwinError, UnknownName
 
 COMMANDS: dict[str, tuple[str, str]] = {
@@ -108,7 +108,7 @@ def _dispatch(args: Sequence[str]) -> int:
     if args[0] not in COMMANDS:
         raise UnknownName("command", args[0], COMMANDS)
     module, _ = COMMANDS[args[0]]
-    with told_of_compiling(_say_compiling if _talks(args) else lambda: None):
+    with when_compiling(_say_compiling if _talks(args) else lambda: None):
         status: int = import_module(module).main(args[1:])
     return status
 

@@ -19,6 +19,9 @@ SLOW_S = 2.0
 """Rolling and pitching slower than this is the gyros' bias, or a turning that they see askew: no
 chassis goes on rolling over its wheels. Of 8 degrees of turning a gyro 0.2 degree askew would make
 0.2 mm of lateral displacement under a camera 0.5 m up [s]."""
+MOST_RADPS = 5e-3
+"""What a rate is off that mean by counts no further: the bias of a gyro is 0.3 degree/s at most,
+and a body that drops into a furrow rolls faster, to stay so (assumed)."""
 _GYRO = ("gyro_x_radps", "gyro_y_radps", "gyro_z_radps")
 _SENSORS = tuple(COLUMNS)
 
@@ -124,7 +127,10 @@ def integrate(gyros: Gyros, epoch_ns: int, rate_radps: Array) -> Gyros:
         a + 0.5 * step_s * (r0 + r1) for a, r0, r1 in zip(last, gyros.rate_radps, rate, strict=True)
     )
     gain = step_s / min(gyros.seen_s + step_s, SLOW_S)
-    roll, pitch = (s + gain * (r - s) for s, r in zip(gyros.slow_radps, rate, strict=False))
+    roll, pitch = (
+        slow + gain * min(max(r - slow, -MOST_RADPS), MOST_RADPS)
+        for slow, r in zip(gyros.slow_radps, rate, strict=False)
+    )
     return Gyros(
         epoch_ns=(*gyros.epoch_ns[1 - KEPT :], epoch_ns),
         angle_rad=(*gyros.angle_rad[1 - KEPT :], (x, y, z)),

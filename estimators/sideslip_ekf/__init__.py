@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.innovations import KEPT, MOST, as_table
 from estimators.sideslip_ekf.filter import loop
 from estimators.sideslip_ekf.layout import READ, first_memory, nominal
 from estimators.sideslip_ekf.report import TOLD
@@ -148,21 +149,40 @@ class SideslipEkf:
         A wheel sample that is not newer than the last one, or over 5 s older than the newest sample
         of any sensor, gives no row.
         """
+        slip, table, memory, _ = self._through(state, chunk, state.memory.copy())
+        return State(slip, state.nominal, state.tuning, memory), table
+
+    def innovations(self, setup: Setup, streams: Streams) -> Table:
+        """Innovations of heading, velocity and fixed positions of GNSS, with their variances.
+
+        Those of the filter of slip are its own: `self.slip.innovations`.
+        """
+        state = self.init(setup)
+        memory = state.memory.copy()
+        memory["notes"]["wanted"] = 1
+        return as_table(self._through(state, streams, memory)[-1])
+
+    def _through(
+        self, state: State, chunk: Streams, memory: NDArray[Any]
+    ) -> tuple[SlipState, Table, NDArray[Any], NDArray[Any]]:
+        """State of the slip filter, table, memory and innovations after a chunk."""
         used = chunk.only(USED)
         sensor, row = used.merge_order()
         slip, table, slower = self.slip.run_and_held(state.slip, chunk)
         epoch_ns = epochs(used, sensor, row)
         values = {s: _matrix(used, s, names) for s, names in READ.items()}
         speed = _speeds(table)
-        memory = state.memory.copy()
         told = np.full((len(speed), len(TOLD)), np.nan)
+        wanted = bool(memory["notes"]["wanted"][0])
+        kept, count = np.zeros(MOST * len(values["gnss"]) if wanted else 1, KEPT), 0
         if len(sensor):
-            loop(
+            count = loop(
                 sensor, row, epoch_ns, values["gnss"], values["imu"], values["camera"],
                 slower[:, PLOUGH].copy(), speed, state.nominal[0], state.tuning[0], memory[0], told,
+                kept,
             )  # fmt: skip
         table |= {name: told[:, i].copy() for i, name in enumerate(TOLD)}
-        return State(slip, state.nominal, state.tuning, memory), table
+        return slip, table, memory, kept[:count]
 
 
 def _speeds(table: Table) -> NDArray[np.float64]:

@@ -70,9 +70,9 @@ GATE = 4.0
 @compiled
 def loop(
     sensor: Any, row: Any, epoch_ns: Any, gnss: Array, imu: Array, camera: Array, clear: Array,
-    speed: Array, nominal: Record, tuning: Record, memory: Record, out: Array,
+    speed: Array, nominal: Record, tuning: Record, memory: Record, out: Array, kept: Any,
 ) -> int:  # fmt: skip
-    """Take a chunk's samples, and fill a row of `out` for each row of `speed`; returns how many.
+    """Take a chunk's samples, and fill a row of `out` for each row of `speed`.
 
     Args:
         sensor, row, epoch_ns: of each sample in order of arrival.
@@ -82,8 +82,12 @@ def loop(
             accepted.
         nominal, tuning, memory: records; `memory` is changed.
         out: (n, 7).
+        kept: room for innovations, records of KEPT, where `memory.notes` wants them.
+
+    Returns:
+        How many innovations were kept.
     """
-    n = 0
+    n = count = 0
     room = np.empty((SIZE, SIZE))
     h, x = np.zeros(SIZE), np.zeros(SIZE)
     at = np.zeros((ENTRIES, 2), np.int64)
@@ -111,10 +115,16 @@ def loop(
             wait_frame(epoch, camera[row[i]], memory)
         while first_is_due(memory):
             _take_first(h, at, room, now, mean, nominal, tuning, memory)
+            for k in range(memory.notes.count):
+                kept[count].epoch_ns, kept[count].sensor = memory.epoch_ns, GNSS
+                kept[count].innovation = memory.notes.innovation[k]
+                kept[count].variance = memory.notes.variance[k]
+                count += 1
+            memory.notes.count = 0
         if kind == WHEELS:
             report(out[n], x, now, mean, nominal, tuning, memory)
             n += 1
-    return n
+    return count
 
 
 @array_law

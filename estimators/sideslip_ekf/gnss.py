@@ -18,7 +18,7 @@ from estimators.sideslip_ekf.layout import (
     V_X,
     V_Y,
 )  # fmt: skip
-from estimators.sideslip_ekf.place import take_place, unfelt
+from estimators.sideslip_ekf.place import noted, take_place, unfelt
 from estimators.sideslip_ekf.update import restart, take, variance
 from estimators.slip_ekf.learn import factor
 from twin.compute.compiled import array_law
@@ -55,6 +55,7 @@ def take_gnss(values: Array, h: Array, nominal: Record, tuning: Record, memory: 
         if error**2 > GATE**2 * (variance(p, h) + sd**2):  # the gyro missed a turn, or it leaps
             p[HEADING, HEADING] += (1.0 if memory.leapt >= LEAPS else DOUBT) * error**2
         nis = take(x, p, h, error, sd**2, GATE)
+        noted(error, nis, memory)
         memory.excess = factor(memory.excess, nis, DUE, 1.0, MOST_EXCESS)
         memory.leapt = memory.leapt + 1 if nis > GATE**2 else 0
     if seen:
@@ -111,6 +112,7 @@ def _take_velocity(
         if not memory.heard[F_Y] and error**2 > GATE**2 * (variance(p, h) + r):
             p[state, state] += error**2
         nis = take(x, p, h, error, r, GATE)
+        noted(error, nis, memory)
         if not memory.heard[F_Y]:  # then it is the motion that nobody feels
             memory.unrest = factor(memory.unrest, nis, 1.0, LEAST_UNREST, MOST_UNREST)
     memory.lateral_ns = memory.epoch_ns

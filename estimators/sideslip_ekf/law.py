@@ -26,9 +26,8 @@ DRIVING_MPS = 0.3
 STEADY_S, UNSTEADY = 5.0, 2.0
 """Time over which the angle of the law is averaged [s], and how far it is off over what that angle
 has changed by: tyres deflect first, and a wheel that drops into a furrow slides as it likes [-]."""
-BUMP_S = 0.05
-"""A bump shoves for so long [s]: 0.1 m of contact at 2 m/s. So means of the slide over 10 s
-scatter on the twin's ground of ISO 8608's class C."""
+BUMP_S = 0.125
+"""A bump shoves for so long [s]: the 0.25 m of a tyre's contact at 2 m/s (derived)."""
 MISFIT_S = 5.0
 """What the law itself is off by lasts for so long [s]."""
 LASTING_S = 2.0

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.innovations import NOTES
 from twin.streams import COLUMNS, Setup
 
 V_X, V_Y = range(2)
@@ -91,6 +92,7 @@ MEMORY = np.dtype(
         ("accel", "f8", (2, 2)), ("accel_var", "f8"), ("accel_psd", "f8"), ("unrest", "f8"),
         ("excess", "f8"), ("agree", "f8"), ("anchor_m", "f8", 2),
         ("anchor_ns", "i8"), ("way_m", "f8", 2), ("way_mps", "f8", 2), ("way_ns", "i8"),
+        ("notes", NOTES),
     ],
     align=True,
 )  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from estimators.innovations import note
 from estimators.kalman import Array, Record
 from estimators.sideslip_ekf import rows
 from estimators.sideslip_ekf.layout import (
@@ -60,8 +61,18 @@ def take_place(values: Array, h: Array, nominal: Record, tuning: Record, memory:
             restart(x, p, state, x[state] + place[i] - foretold, FREE_M2)
         error = place[i] - rows.place(x, i == 1, nominal, h)
         unfelt(h, memory)
-        take(x, p, h, error, (tuning.white_share * sd) ** 2, GATE)
+        known = memory.placed
+        nis = take(x, p, h, error, (tuning.white_share * sd) ** 2, GATE)
+        if known:
+            noted(error, nis, memory)
     memory.placed = 1
+
+
+@array_law
+def noted(error: float, nis: float, memory: Record) -> None:
+    """Note an innovation e and its variance S, from e^2 / S."""
+    if nis > 0.0:
+        note(memory.notes, error, error**2 / nis)
 
 
 @array_law

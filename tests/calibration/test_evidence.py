@@ -11,7 +11,7 @@ from twin.calibration.applied import believed, reads, soil_with
 from twin.calibration.by_rollouts import _read_off
 from twin.calibration.evidence import evidence
 from twin.calibration.fitting import fit
-from twin.calibration.segments import Segment
+from twin.calibration.segments import Segment, segments
 from twin.calibration.verdicts import far_notes
 from twin.scenario import Soil
 from twin.vehicle import files
@@ -65,3 +65,13 @@ def test_what_is_improbable_before_the_log_is_said() -> None:
     assert any("mass_kg is" in note for note in far_notes(sure))
     named = replace(sure, prior=replace(sure.prior, names=("log.set_rpm",) * 3))
     assert far_notes(named) == []
+
+
+def test_of_two_pieces_of_work_one_is_fitted_and_one_held_back() -> None:
+    seconds = 60
+    draft_n = np.where(np.arange(seconds) < 32, 0.0, 2e4)
+    log = {"epoch_ns": np.arange(seconds) * 1_000_000_000, "duration_s": np.ones(seconds),
+           "wheel_speed_mps": np.full(seconds, 2.0), "speed_mps": np.full(seconds, 1.9),
+           "draft_pin_n": draft_n}  # fmt: skip
+    work = [s for s in segments(log) if s.working]
+    assert [s.held_back for s in work] == [False, True]

@@ -22,7 +22,7 @@ def _compile(function: str, seconds: float) -> None:
 
 def test_long_compiling_is_told_once_while_it_goes_on() -> None:
     told: list[str] = []
-    with waiting.told_of_compiling(lambda: told.append("compiling")):
+    with waiting.when_compiling(lambda: told.append("compiling")):
         waiting.begins("outer")
         _compile("inner", 0.5)
         assert told == ["compiling"]
@@ -33,7 +33,7 @@ def test_long_compiling_is_told_once_while_it_goes_on() -> None:
 
 def test_many_short_ones_count_together() -> None:
     told: list[str] = []
-    with waiting.told_of_compiling(lambda: told.append("compiling")):
+    with waiting.when_compiling(lambda: told.append("compiling")):
         for _ in range(6):
             _compile("f", 0.06)
     assert told == ["compiling"]
@@ -41,7 +41,7 @@ def test_many_short_ones_count_together() -> None:
 
 def test_short_compiling_and_other_work_are_not_told() -> None:
     told: list[str] = []
-    with waiting.told_of_compiling(lambda: told.append("compiling")):
+    with waiting.when_compiling(lambda: told.append("compiling")):
         _compile("f", 0.01)
         time.sleep(0.4)
     _compile("g", 0.3)

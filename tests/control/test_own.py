@@ -152,7 +152,7 @@ def test_a_controller_that_cannot_be_found_is_named(specs, said, setup, tmp_path
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(TwinError, match=said):
-        chosen.named(specs, setup)
+        chosen.by_name(specs, setup)
 
 
 def test_the_command_names_what_failed_and_shows_the_rest(tmp_path, monkeypatch, capsys):

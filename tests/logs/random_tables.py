@@ -12,7 +12,7 @@ from made_drive import MAP, as_text, drive
 from twin.errors import BadInput
 from twin.logs import Log, read
 from twin.pipeline.estimating import all_estimates
-from twin.pipeline.log import loud
+from twin.pipeline.log import slip_warnings
 from twin.pipeline.public import by_name
 
 LOUD = (
@@ -201,7 +201,7 @@ def outcome(seed: int, folder: Path) -> str:
         sound = str(error).isprintable() and len(str(error)) <= 400
         return "refused" if sound else f"{table.faults}: a message that is no line: {error}"
     done = all_estimates(by_name(["ratio"]), log.setup, log.streams).tables
-    notes = [*log.notes, *loud(log, done)]
+    notes = [*log.notes, *slip_warnings(log, done)]
     if any(part in note for note in notes for part in LOUD):
         return "noted"
     found = done["ratio"]

@@ -9,7 +9,7 @@ from made_drive import MAP, SLIP, drive, mapped, written
 from twin.commands.run import load_estimators
 from twin.errors import BadInput
 from twin.logs import paired_speeds, read
-from twin.pipeline.log import estimate, loud
+from twin.pipeline.log import estimate, slip_warnings
 
 HEADED = MAP.replace("course =", 'heading = {column = "head", unit = "deg"}\ncourse =')
 IMU = '[imu]\ngyro_z = {column = "yaw", unit = "rad/s"}\n'
@@ -143,13 +143,13 @@ def test_a_slip_beyond_belief_is_said_of_all_rows_and_of_work(tmp_path):
     epoch_ns = log.streams["wheels"]["epoch_ns"]
     n = len(epoch_ns)
     stands = {"epoch_ns": epoch_ns, "slip": np.ones(n), "speed_mps": np.full(n, 0.01)}
-    said = " ".join(loud(log, {"mine": stands}))
+    said = " ".join(slip_warnings(log, {"mine": stands}))
     assert "mine: median slip +100.0 % of all rows is beyond 25 %" in said
     assert "its estimated speed stays at 0.01 m/s" in said
     assert "heading_mount_rad" in said
     fine = {**stands, "slip": np.full(n, 0.05), "speed_mps": np.full(n, 2.0)}
-    assert loud(log, {"mine": fine}, {"mine": {"median": 0.1}}) == []
-    (note,) = loud(log, {"mine": fine}, {"mine": {"median": 0.6}})
+    assert slip_warnings(log, {"mine": fine}, {"mine": {"median": 0.1}}) == []
+    (note,) = slip_warnings(log, {"mine": fine}, {"mine": {"median": 0.6}})
     assert "+60.0 % at work is beyond 25 %" in note
 
 

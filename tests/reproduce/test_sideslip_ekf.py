@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from twin.reproduce import ABOUT, REGISTRY, sideslip_ekf
+from twin.reproduce import ABOUT, REGISTRY, STORIES, sideslip_ekf
 from twin.reproduce.sideslip_ekf_drive import Drive, drive
 
 HONEST = Drive(
@@ -18,6 +18,8 @@ HONEST = Drive(
 def test_it_is_among_the_experiments():
     assert REGISTRY["sideslip-ekf"] == "twin.reproduce.sideslip_ekf:rows"
     assert ABOUT.keys() == REGISTRY.keys()
+    assert STORIES["sideslip-ekf"] == "twin.reproduce.sideslip_ekf:said"
+    assert "calibration" in sideslip_ekf.said([]).paragraphs[0]
 
 
 def made(monkeypatch, rows, **changed):

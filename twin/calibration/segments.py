@@ -61,7 +61,8 @@ def segments(rows: Table) -> list[Segment]:
             f"the log has {lasts_s} s of steady work; {4 * LONGEST_S} s in a straight line, with "
             "the implement in the ground, would do"
         )
-    held_from = work[max(1, round((1.0 - HELD_SHARE) * len(work)))].start
+    first_held = min(max(1, round((1.0 - HELD_SHARE) * len(work))), len(work) - 1)
+    held_from = work[first_held].start
     empty = _pieces(_steady(rows, doing[EMPTY]), BESIDE_S, BESIDE_S)
     fitted = [piece for piece in work if piece.start < held_from]
     after = [piece for piece in work if piece.start >= held_from]

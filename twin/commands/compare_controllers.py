@@ -52,17 +52,17 @@ def main(args: Sequence[str]) -> int:
         raise UnknownName("environment", options.env, trials.ENVIRONMENTS)
     setup = trials.setup(options.env, options.observation)
     wanted = options.controllers or ",".join(trials.ENVIRONMENTS[options.env][1])
-    controllers = chosen.named(wanted, setup)
+    controllers = chosen.by_name(wanted, setup)
     controllers = compare.with_oracle(
         controllers, options.env, options.episodes, options.duration_s
     )
-    with progress("comparing", shown=options.talks) as told:
+    with progress("comparing", shown=options.talks) as report:
         done = compare.compare(
             controllers,
             options.episodes,
             options.duration_s,
             options.observation,
-            told,
+            report,
             options.env,
         )
     found = compare.rows(done.measured, against=_against(done.measured))

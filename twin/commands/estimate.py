@@ -78,9 +78,9 @@ def main(args: Sequence[str]) -> int:
 
     reader = None if options.reader is None else logs.reader(options.reader)
     shown = not (options.quiet or options.json)
-    with counting("estimating", "estimators", shown=shown) as told:
+    with counting("estimating", "estimators", shown=shown) as report:
         result = estimate(
-            options.log, options.map, estimators=estimators, reader=reader, told=told,
+            options.log, options.map, estimators=estimators, reader=reader, progress=report,
             strict=options.strict, offset_s=offsets(options.offset),
             hide_s=seconds("hide", options.hide), tuning=options.tuning,
         )  # fmt: skip

@@ -20,8 +20,8 @@ Columns = Mapping[str, Plain]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Told:
-    """How the result is shown."""
+class RigOptions:
+    """Options of every `twin rig` command: how the result is shown."""
 
     quiet: bool = False
     """Print errors only."""
@@ -32,8 +32,8 @@ class Told:
 
 
 @dataclass(frozen=True)
-class Measured:
-    """The result of a rig."""
+class RigResult:
+    """The result of a virtual rig: its tables and its figure."""
 
     files: Mapping[str, Columns]
     """CSV name -> its columns."""

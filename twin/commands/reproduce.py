@@ -46,14 +46,14 @@ def main(args: Sequence[str]) -> int:
     options = parse(Reproduce, args[1:], prog=f"twin reproduce {args[0]}")
     check_range("trials", options.trials, 1, 10000)
     check_files(json=options.json, report=options.report)
-    from twin.compute.parallel import telling
+    from twin.compute.parallel import reporting
 
     module, _, function = REGISTRY[args[0]].partition(":")
     if options.talks:
         say(f"{ABOUT[args[0]]}; {options.trials} seeds", stderr=True)
-    with counting(args[0], "runs", shown=options.talks) as told:
+    with counting(args[0], "runs", shown=options.talks) as report:
         experiment = getattr(import_module(module), function)
-        with telling(told):
+        with reporting(report):
             measured = experiment(trials=options.trials, jobs=options.jobs)
     said = _said(args[0], measured)
     if options.talks:

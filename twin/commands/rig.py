@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from twin.commands.measured import Measured, Told, print_columns
+from twin.commands.measured import RigOptions, RigResult, print_columns
 from twin.commands.output import check_folder
 from twin.commands.overrides import named_fields
 from twin.commands.parse import parse
@@ -38,7 +38,7 @@ COMPARED = (0.05, 0.10, 0.15, 0.20, 0.25, 0.30)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wheel(Told):
+class Wheel(RigOptions):
     """Test one wheel at every given load, slip angle and slip.
 
     A smooth rigid wheel under Bekker's law, with slip 1 - v / (w R):
@@ -64,7 +64,7 @@ class Wheel(Told):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Drawbar(Told):
+class Drawbar(RigOptions):
     """Pull the tractor at constant loads. Compare it with the wheel rig and weight transfer.
 
     With --table: the greatest steady drawbar power of each gear at full throttle, and its fuel.
@@ -90,7 +90,7 @@ class Drawbar(Told):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Slope(Told):
+class Slope(RigOptions):
     """Drive the tractor along a line on cross slopes. Compare its crab angle with theory."""
 
     machine: str = USUAL
@@ -103,7 +103,7 @@ class Slope(Told):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Park(Told):
+class Park(RigOptions):
     """Park the tractor on slopes with the brakes on and measure how far it creeps."""
 
     machine: str = USUAL
@@ -154,7 +154,7 @@ def main(args: Sequence[str]) -> int:
     return 0
 
 
-def _wheel(options: Wheel) -> Measured:
+def _wheel(options: Wheel) -> RigResult:
     from twin.rig import figures
     from twin.rig.wheel import outside_range, self_propelled, towed, wheel
 
@@ -187,7 +187,7 @@ def _wheel(options: Wheel) -> Measured:
     columns = curve.columns()
     straight = (np.abs(angle) == np.abs(angle).min()) & (slip >= 0.0)
     title = f"Wheel rig: {_soil(soil)}, {_tyre(tyre)}"
-    return Measured(
+    return RigResult(
         {"wheel.csv": columns, "wheel-free.csv": free},
         [{name: columns[name][straight] for name in SHOWN}, free],
         "wheel.png",
@@ -205,11 +205,11 @@ ONE_GEAR, ALL_GEARS = ("step_n", "most_slip"), ("gear_kmh",)
 """Options of the drawbar rig that the table does not read, and that it alone does."""
 
 
-def _drawbar(options: Drawbar) -> Measured:
+def _drawbar(options: Drawbar) -> RigResult:
     return _gears(options) if options.table else _pulled(options)
 
 
-def _gears(options: Drawbar) -> Measured:
+def _gears(options: Drawbar) -> RigResult:
     from twin.rig import figures
     from twin.rig.gears import gears
 
@@ -222,7 +222,7 @@ def _gears(options: Drawbar) -> Measured:
     columns = found.columns()
     shown = {name: columns[name] for name in SHOWN_OF_GEARS}
     title = f"Drawbar rig by gear: {_soil(options.soil)}{_height(options)}"
-    return Measured(
+    return RigResult(
         {"drawbar-gears.csv": columns},
         [shown],
         "drawbar.png",
@@ -235,7 +235,7 @@ SHOWN_OF_GEARS = (
 )  # fmt: skip
 
 
-def _pulled(options: Drawbar) -> Measured:
+def _pulled(options: Drawbar) -> RigResult:
     from twin.rig import figures
     from twin.rig.drawbar import drawbar, expected_pull_n
 
@@ -256,7 +256,7 @@ def _pulled(options: Drawbar) -> Measured:
     ours = np.interp(slips, curve.slip, curve.pull_n)
     table = {"slip": slips, "pull_n": ours, "expected_n": expected, "ratio": ours / expected}
     title = f"Drawbar rig: {_soil(options.soil)}{_height(options)}"
-    return Measured(
+    return RigResult(
         {"drawbar.csv": curve.columns(), "drawbar-expected.csv": table},
         [table],
         "drawbar.png",
@@ -264,7 +264,7 @@ def _pulled(options: Drawbar) -> Measured:
     )
 
 
-def _shared(curve: DrawbarCurve, options: Drawbar) -> Measured:
+def _shared(curve: DrawbarCurve, options: Drawbar) -> RigResult:
     """Four driven wheels: how the axles share the pull; the closed form is of rear-wheel drive."""
     from twin.rig import figures
 
@@ -272,7 +272,7 @@ def _shared(curve: DrawbarCurve, options: Drawbar) -> Measured:
     shown = ("pull_n", "slip", "front_slip", "front_pull_n", "speed_mps", "drawbar_power_w")
     title = f"Drawbar rig: {_soil(options.soil)}, four driven wheels"
     none = np.zeros(0)
-    return Measured(
+    return RigResult(
         {"drawbar.csv": columns},
         [{name: columns[name] for name in shown}],
         "drawbar.png",
@@ -280,7 +280,7 @@ def _shared(curve: DrawbarCurve, options: Drawbar) -> Measured:
     )
 
 
-def _slope(options: Slope) -> Measured:
+def _slope(options: Slope) -> RigResult:
     from twin.rig import figures
     from twin.rig.slope import expected, slope
 
@@ -294,7 +294,7 @@ def _slope(options: Slope) -> Measured:
     own = ("crab_angle_rad", "steer_rad", "slip")
     columns |= {f"expected_{name}": getattr(wanted, name) for name in own}
     title = f"Slope rig: {_soil(options.soil)}"
-    return Measured(
+    return RigResult(
         {"slope.csv": columns},
         [{"cross_slope_deg": slopes} | {n: columns[n] for n in columns if "load" not in n}],
         "slope.png",
@@ -302,7 +302,7 @@ def _slope(options: Slope) -> Measured:
     )
 
 
-def _park(options: Park) -> Measured:
+def _park(options: Park) -> RigResult:
     from twin.rig import figures
     from twin.rig.park import park
 
@@ -315,7 +315,7 @@ def _park(options: Park) -> Measured:
         machine=options.machine,
     )  # fmt: skip
     title = f"Parking rig: {_soil(options.soil)}, brakes on for {options.parked_s:g} s"
-    return Measured(
+    return RigResult(
         {"park.csv": creep.columns()},
         [creep.columns()],
         "park.png",
@@ -323,7 +323,7 @@ def _park(options: Park) -> Measured:
     )
 
 
-RIGS: dict[str, tuple[Any, Callable[[Any], Measured]]] = {
+RIGS: dict[str, tuple[Any, Callable[[Any], RigResult]]] = {
     "wheel": (Wheel, _wheel),
     "drawbar": (Drawbar, _drawbar),
     "slope": (Slope, _slope),

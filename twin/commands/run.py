@@ -102,9 +102,9 @@ def execute(
     from twin.pipeline.run import run  # heavy, so only once the input is known to be good
 
     shown = not (options.quiet or options.json)
-    with progress(scenario.name, shown=shown) as told, _pngs(options.frames) as frames:
+    with progress(scenario.name, shown=shown) as report, _pngs(options.frames) as frames:
         result = run(
-            scenario, estimators=estimators, progress=told, frames=frames, controlled=controlled
+            scenario, estimators=estimators, progress=report, frames=frames, controlled=controlled
         )
         result.save(directory, command=command)
         if options.figures is not None:
@@ -141,11 +141,11 @@ def _drawn(scenario: Thing, options: Options, directory: Path) -> None:
             "posterior that is narrower would do"
         )
     truths, shown = [], not (options.quiet or options.json)
-    with progress("posterior", shown=shown) as told:
+    with progress("posterior", shown=shown) as report:
         estimators = load_estimators("ratio")
         for i, each in enumerate(machines):
             truths.append(run(each, estimators=estimators).scores["truth"])
-            told((i + 1) / len(machines))
+            report((i + 1) / len(machines))
     found = bands(truths)
     write_text(directory / "posterior.json", json.dumps(found, indent=2))
     if shown:

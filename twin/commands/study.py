@@ -124,7 +124,7 @@ def main(args: Sequence[str]) -> int:
     folder = options.out or Path("studies") / plain
     backend_options = [text.partition("=") for text in options.backend_option]
     try:
-        with progress(f"{len(cases)} runs", shown=options.talks) as told:
+        with progress(f"{len(cases)} runs", shown=options.talks) as report:
             done = study(
                 names,
                 estimators,
@@ -137,7 +137,7 @@ def main(args: Sequence[str]) -> int:
                 options={name: value for name, _, value in backend_options},
                 retry_failed=options.retry_failed,
                 asked=list(args),
-                progress=told,
+                progress=report,
             )
     except KeyboardInterrupt:
         left = len(studies.missing(cases, folder / PARTS))

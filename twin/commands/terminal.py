@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from twin.compute.parallel import Told
+    from twin.compute.parallel import Progress
 
 _UNLIMITED = 10_000
 """Columns of a file or a pipe, unless COLUMNS says how many."""
@@ -63,15 +63,15 @@ def say(line: str, *, style: str = "", stderr: bool = False, indent: int = 0) ->
             )
 
 
-class Tell(Protocol):
-    """Takes the share done, and the time simulated where there is one."""
+class ShowProgress(Protocol):
+    """Callback that shows progress: share done (0 to 1) and, for a run, the simulated time [s]."""
 
     def __call__(self, share: float, simulated_s: float | None = None, /) -> None:
         """Show the share that is done, 0 to 1."""
 
 
 @contextmanager
-def progress(label: str, *, shown: bool) -> Iterator[Tell]:
+def progress(label: str, *, shown: bool) -> Iterator[ShowProgress]:
     """A bar on stderr, with simulated time, speed and time left; silent off a terminal."""
     watch = Stopwatch()
     with _bar(label, shown=shown) as (bar, task):
@@ -79,14 +79,14 @@ def progress(label: str, *, shown: bool) -> Iterator[Tell]:
             yield lambda share, simulated_s=None, /: None
             return
 
-        def tell(share: float, simulated_s: float | None = None, /) -> None:
+        def show(share: float, simulated_s: float | None = None, /) -> None:
             bar.update(task, completed=min(share, 1.0), pace=pace(simulated_s, watch.seconds()))
 
-        yield tell
+        yield show
 
 
 @contextmanager
-def counting(label: str, what: str, *, shown: bool) -> Iterator[Told]:
+def counting(label: str, what: str, *, shown: bool) -> Iterator[Progress]:
     """A bar that counts things over several stages: `37 runs, 1.4 a second`."""
     watch, before, stage = Stopwatch(), 0, 0
     with _bar(label, shown=shown) as (bar, task):
@@ -94,7 +94,7 @@ def counting(label: str, what: str, *, shown: bool) -> Iterator[Told]:
             yield lambda done, total: None
             return
 
-        def tell(done: int, total: int) -> None:
+        def show(done: int, total: int) -> None:
             nonlocal before, stage
             if done == 0:
                 before, stage = before + stage, 0
@@ -103,7 +103,7 @@ def counting(label: str, what: str, *, shown: bool) -> Iterator[Told]:
             said = rate(before + done, what, watch.seconds())
             bar.update(task, completed=done, total=total, pace=said)
 
-        yield tell
+        yield show
 
 
 @contextmanager

@@ -48,10 +48,10 @@ def main(args: Sequence[str]) -> int:
         for name in ("quick", "out"):
             if getattr(options, name):
                 raise BadInput(f"--{name} would not be read with --machine; leave one of them out")
-    from twin.compute.parallel import telling
+    from twin.compute.parallel import reporting
     from twin.validate import page, suite
 
-    with counting("validating", "checks", shown=options.talks) as told, telling(told):
+    with counting("validating", "checks", shown=options.talks) as report, reporting(report):
         if options.machine is None:
             found = suite.checks(jobs=options.jobs, quick=options.quick)
         else:

@@ -12,8 +12,8 @@ from typing import Any, TypeAlias
 import joblib
 
 Result: TypeAlias = Any
-"""What a call gives; and a call as joblib has it, which has no types."""
-Told = Callable[[int, int], None]
+"""Result of a call, or a call made by `joblib.delayed`; joblib has no types for either."""
+Progress = Callable[[int, int], None]
 """Progress callback: calls done, calls in all."""
 
 
@@ -21,32 +21,32 @@ def _no_progress(done: int, total: int) -> None:
     """No-op progress callback."""
 
 
-_TOLD: ContextVar[Told] = ContextVar("told", default=_no_progress)
+_PROGRESS: ContextVar[Progress] = ContextVar("progress", default=_no_progress)
 
 
 @contextmanager
-def telling(told: Told) -> Iterator[None]:
+def reporting(progress: Progress) -> Iterator[None]:
     """Set the progress callback of the calls inside the block."""
-    token = _TOLD.set(told)
+    token = _PROGRESS.set(progress)
     try:
         yield
     finally:
-        _TOLD.reset(token)
+        _PROGRESS.reset(token)
 
 
 def many(calls: Iterable[Result], jobs: int = 1) -> list[Result]:
-    """Results of calls, in their order.
+    """Run all calls and return their results, in the order of the calls.
 
     Args:
         calls: as `joblib.delayed` makes them.
         jobs: processes; -1 for one a core.
     """
-    calls, told = list(calls), _TOLD.get()
-    told(0, len(calls))
-    with Counted(n_jobs=jobs) as parallel, telling(_no_progress):  # of calls that a call makes
+    calls, progress = list(calls), _PROGRESS.get()
+    progress(0, len(calls))
+    with Counted(n_jobs=jobs) as parallel, reporting(_no_progress):  # of calls that a call makes
         if jobs != 1:
             _start(parallel)
-        parallel.told = lambda done: told(done, len(calls))
+        parallel.report = lambda done: progress(done, len(calls))
         found: list[Result] = parallel(calls)
     return found
 
@@ -66,8 +66,8 @@ def _start(parallel: Counted) -> None:
 class Counted(joblib.Parallel):  # type: ignore[misc]
     """Parallel that reports how many calls are done, with any backend."""
 
-    told: Callable[[int], None] = staticmethod(lambda done: None)
+    report: Callable[[int], None] = staticmethod(lambda done: None)
 
     def print_progress(self) -> None:
         """Called by joblib after every batch."""
-        self.told(self.n_completed_tasks)
+        self.report(self.n_completed_tasks)

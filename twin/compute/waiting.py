@@ -1,4 +1,4 @@
-"""Say that functions are being compiled, when that takes long enough to be wondered about.
+"""Report that functions are being compiled when compiling takes longer than PATIENCE_S.
 
 Light to import: the command line sets the listener before anything is compiled.
 """
@@ -12,24 +12,24 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 PATIENCE_S = 2.0
-"""Compiling that ends within this is not worth a word."""
+"""Compiling that ends within this time is not reported [s]."""
 
-Told = Callable[[], None]
+Report = Callable[[], None]
 
 
 @dataclass
 class _Watch:
     """Counts the time in which any function is being compiled, and reports it once."""
 
-    told: Told
+    report: Report
     started: dict[object, float] = field(default_factory=dict)
-    """Function being compiled -> when that began [s]; one may compile others that it calls."""
+    """Function being compiled -> its start time [s]. Functions that it calls may be added."""
     spent_s: float = 0.0
     timer: threading.Timer | None = None
 
     def begin(self, function: object) -> None:
         if not self.started and self.spent_s < PATIENCE_S:
-            self.timer = threading.Timer(PATIENCE_S - self.spent_s, self.told)
+            self.timer = threading.Timer(PATIENCE_S - self.spent_s, self.report)
             self.timer.daemon = True
             self.timer.start()
         self.started.setdefault(function, time.perf_counter())
@@ -50,10 +50,10 @@ _watch: _Watch | None = None
 
 
 @contextmanager
-def told_of_compiling(told: Told) -> Iterator[None]:
-    """Listener, called once when compiling inside the block takes longer than PATIENCE_S."""
+def when_compiling(report: Report) -> Iterator[None]:
+    """Call `report` once if compiling inside the block takes longer than PATIENCE_S in total."""
     global _watch
-    before, _watch = _watch, _Watch(told)
+    before, _watch = _watch, _Watch(report)
     try:
         yield
     finally:
@@ -62,12 +62,12 @@ def told_of_compiling(told: Told) -> Iterator[None]:
 
 
 def begins(function: object) -> None:
-    """A function was not found among what is kept: it is compiled now."""
+    """Called when compiling of a function begins: its machine code is not in the cache."""
     if _watch is not None:
         _watch.begin(function)
 
 
 def ends(function: object) -> None:
-    """A function has been compiled."""
+    """Called when compiling of a function has ended."""
     if _watch is not None:
         _watch.end(function)

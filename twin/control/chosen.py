@@ -13,7 +13,7 @@ from twin.errors import BadInput, UnknownName
 from twin.plugins.lookup import attribute, instance
 
 
-def named(specs: str, setup: ControllerSetup) -> dict[str, AnyController]:
+def by_name(specs: str, setup: ControllerSetup) -> dict[str, AnyController]:
     """Controllers from `pi,mine:Mine,policy.zip`, by the names that tables give them.
 
     Args:
@@ -36,7 +36,7 @@ def named(specs: str, setup: ControllerSetup) -> dict[str, AnyController]:
 
 
 def controller(spec: str, setup: ControllerSetup) -> AnyController:
-    """One controller by its name; a class is made into an instance. Raises as `named` does."""
+    """One controller by its name; a class is made into an instance. Raises as `by_name` does."""
     if spec.endswith(saved.SUFFIX):
         return saved.load(Path(spec), setup)
     baselines: Mapping[str, Controller] = ENVIRONMENTS[setup.environment][1]

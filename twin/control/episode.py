@@ -1,4 +1,4 @@
-"""One environment driven by a controller, and what came of every control step."""
+"""Drive one environment with a controller and record every control step."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ class Episode:
     """An episode, a row for each control step. All arrays have the shape (steps,)."""
 
     observation: dict[str, Array]
-    """What the controller saw before it acted, by the names of the observation's entries."""
+    """Observation before the action, by the names of its entries."""
     action: dict[str, Array]
-    """What it asked for, by the names of the actions."""
+    """Actions of the controller in [-1, 1], by their names."""
     reward: Array
     info: dict[str, Array]
     """`info` after the step: true values, and the terms of the reward."""
     terminated: bool
-    """Whether it ended in a stall."""
+    """Whether the episode ended because the engine stalled."""
 
 
 def drive_episode(

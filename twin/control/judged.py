@@ -27,14 +27,14 @@ class Measure:
     unit: str
     value: Value
     per: Value | None = None
-    """What the mean is divided by the mean of."""
+    """Divisor: the measure is mean(value) / mean(per). None: the measure is mean(value)."""
     root: bool = False
-    """Whether the root is taken of it."""
+    """Whether the square root of the mean is reported, as for an RMS."""
     stalled: float = 0.0
     """Value in each control step of a tractor that has stalled."""
 
     def sums(self, episodes: Episodes, known: Known, alive: NDArray[np.bool_]) -> Array:
-        """What a control step adds, (1 or 2, grounds)."""
+        """One control step's value and, if `per` is set, divisor: (1, grounds) or (2, grounds)."""
         rows = [np.where(alive, self.value(episodes, known), self.stalled)]
         if self.per is not None:
             rows.append(np.where(alive, self.per(episodes, known), 0.0))
@@ -47,13 +47,16 @@ class Measure:
         return np.asarray(np.sqrt(sums[0] / steps) if self.root else sums[0] / steps)
 
 
-def told(name: str) -> Value:
-    """Values of the infos under a name."""
+def info_value(name: str) -> Value:
+    """Function that gives the info `name` of all grounds, (grounds,), in the unit of that info."""
     return lambda episodes, known: known[name]
 
 
 def squared(name: str, target: str | None = None) -> Value:
-    """Its square, or that of its difference from an attribute of the episodes."""
+    """Function that gives the squared info `name`, or its squared error.
+
+    The error is info `name` less the attribute `target` of the episodes.
+    """
 
     def value(episodes: Episodes, known: Known) -> Array:
         error = known[name] - (0.0 if target is None else getattr(episodes, target))
@@ -63,20 +66,20 @@ def squared(name: str, target: str | None = None) -> Value:
 
 
 def both_slips(episodes: Any, known: Known) -> Array:
-    """Mean squared slip error of both rear wheels."""
+    """Squared error of slip from `slip_target`, mean of both rear wheels, (grounds,)."""
     left, right = (known[f"slip_{wheel}"] - episodes.slip_target for wheel in ("rl", "rr"))
     return np.asarray(0.5 * (left * left + right * right))
 
 
-EFFICIENCY = Measure("1", told("traction_efficiency"))
-WORK_RATE = Measure("ha/h", told("work_rate_haph"))
-FUEL = Measure("L/ha", told("fuel_lph"), told("work_rate_haph"))
-SPEED = Measure("m/s", told("speed_mps"))
+EFFICIENCY = Measure("1", info_value("traction_efficiency"))
+WORK_RATE = Measure("ha/h", info_value("work_rate_haph"))
+FUEL = Measure("L/ha", info_value("fuel_lph"), info_value("work_rate_haph"))
+SPEED = Measure("m/s", info_value("speed_mps"))
 SIDESLIP = Measure("m/s", squared("v_y_rear_mps"), root=True)
 
 
 def _costs(*names: str) -> dict[str, Measure]:
-    return {name: Measure("1", told(name), stalled=1.0) for name in names}
+    return {name: Measure("1", info_value(name), stalled=1.0) for name in names}
 
 
 MEASURES: dict[str, dict[str, Measure]] = {
@@ -96,7 +99,7 @@ MEASURES: dict[str, dict[str, Measure]] = {
     "Plough-v1": {"work_rate": WORK_RATE, "fuel": FUEL, **_costs(*COSTS)},
     "WheelSlip-v1": {
         "speed": SPEED,
-        "energy": Measure("J/m", told("axle_w"), told("speed_mps")),
+        "energy": Measure("J/m", info_value("axle_w"), info_value("speed_mps")),
         **_costs("cost_line", "cost_slip"),
         "sideslip_rms": SIDESLIP,
     },

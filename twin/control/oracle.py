@@ -100,7 +100,7 @@ def reached(
             knots.append(actions.copy())
         alive &= ~episodes.advance(actions)
         seen = episodes.look()
-        total += np.where(alive, episodes.told([REWARD])[REWARD], 0.0)
+        total += np.where(alive, episodes.values_of([REWARD])[REWARD], 0.0)
     knots.append(actions.copy())
     plans: Array = np.stack(knots, axis=1)
     return np.asarray(total / steps), plans

@@ -36,7 +36,7 @@ class ControllerSetup:
     """What a controller of one tractor gets before it starts."""
 
     environment: str
-    """Where it drives: `Plough-v0`, say."""
+    """Id of the environment that the controller drives in, for example `Plough-v0`."""
     period_s: float
     """Time between two calls of `act` [s]."""
     observed: tuple[Entry, ...]
@@ -58,7 +58,7 @@ class OwnController(Protocol):
 
 
 AnyController: TypeAlias = Controller | OwnController
-"""Of many tractors, or of one."""
+"""A controller of many tractors at once, or a controller of one tractor."""
 
 
 def setup_of(episodes: Episodes) -> ControllerSetup:
@@ -75,18 +75,18 @@ def setup_of(episodes: Episodes) -> ControllerSetup:
 
 @dataclass(frozen=True)
 class OneByOne:
-    """A controller of one tractor as one of many, each with a state of its own."""
+    """Drives many tractors with a one-tractor controller: one separate state per tractor."""
 
     controller: OwnController
     setup: ControllerSetup
     name: str
 
     def init(self, count: int) -> list[State]:
-        """A state for each tractor."""
+        """Initial states, one per tractor."""
         return [self.controller.init(self.setup) for _ in range(count)]
 
     def act(self, state: list[State], seen: Seen, period_s: float) -> tuple[list[State], Array]:
-        """One control step of each. Raises BadInput for what is not a state and an action."""
+        """One control step of each tractor. Raises BadInput unless `act` gives (state, action)."""
         states, actions = list[State](), []
         for own, *values in zip(state, *(column.tolist() for column in seen.values()), strict=True):
             given = self.controller.act(own, dict(zip(seen, values, strict=True)))
@@ -195,5 +195,5 @@ def numbers(action: object, batch: tuple[int, ...], names: Sequence[str], who: s
 
 
 def _written(controller: Controller) -> object:
-    """What a user wrote."""
+    """Object that a user wrote, of unknown type."""
     return controller.controller if isinstance(controller, OneByOne) else controller

@@ -1,4 +1,4 @@
-"""Drive a controller over grounds, and what came of it on each."""
+"""Drive a controller over many grounds and measure its performance on each ground."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 TRAINING, HELD_OUT = 10_000, 1_000_000
 """First seed of the grounds that may be tuned and trained on, and of those that compare."""
 ENTRY_S = 5.0
-"""Time in which the plough enters; judged is what follows [s]."""
+"""Time in which the plough enters the soil [s]; measures start after this time."""
 ENVIRONMENTS: dict[str, tuple[Callable[..., ManyEnv], Mapping[str, Controller]]] = {
     "Plough-v0": (PloughVectorEnv, BASELINES),
     "WheelSlip-v0": (WheelSlipVectorEnv, TORQUE_BASELINES),

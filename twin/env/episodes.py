@@ -95,7 +95,7 @@ class Episodes:
         raise NotImplementedError
 
     def begin(self, ids: Sequence[int], grounds: Sequence[Ground]) -> None:
-        """Begin the episodes of some tractors."""
+        """Start new episodes of the tractors `ids`, each on its own ground."""
         starts = self.starts.of([ground.shape for ground in grounds])
         self.fleet.restore(ids, starts, grounds)
         self.begun |= zip(ids, zip(starts, grounds, strict=True), strict=True)
@@ -134,8 +134,8 @@ class Episodes:
         pack(self.values, self.packed, box.low, box.high, ids, out)
         return out
 
-    def told(self, names: Sequence[str]) -> dict[str, Array]:
-        """What is known of each tractor by name, each of shape (nsim,)."""
+    def values_of(self, names: Sequence[str]) -> dict[str, Array]:
+        """Current values by name of quantity, each of shape (nsim,), one value per tractor."""
         return {name: self.values[self.place[name]] for name in names}
 
 

@@ -1,4 +1,8 @@
-"""The ground of an episode: drawn from a generator, or given through `reset`'s options."""
+"""The ground of an episode: drawn from a generator, or given through `reset`'s options.
+
+The module is longer than 300 lines because the random draw and the check of options must name the
+same quantities and limits.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Actions of Plough-v0: what they set the governor and the hitch to."""
+"""Actions of Plough-v0 as set points: governor speed of the engine, angle of the lower links."""
 
 from __future__ import annotations
 
@@ -23,30 +23,31 @@ greatest."""
 
 
 class Levers(NamedTuple):
-    """What turns actions into what the engine and the hitch are set to."""
+    """Limits and link geometry by which actions in [-1, 1] become set points."""
 
     idle_rpm: float
     no_load_rpm: float
-    """No-load engine speeds with the governor's lever at 0 and at 1."""
+    """No-load engine speeds with the throttle lever at 0 and at 1."""
     slowest_rpm: float
     fastest_rpm: float
-    """Those that the throttle's actions -1 and 1 set."""
+    """No-load engine speeds that the throttle actions -1 and 1 set."""
     deepest_m: float
-    """Deepest depth set point."""
+    """Greatest depth set point of the plough below the unploughed surface [m]."""
     sole_m: float
-    """Sole below the hitch points, the plough level."""
+    """Height of the hitch points above the sole of the level plough."""
     axle_m: float
     """Height of the axle's middle; the wheels of one side run at working depth."""
     pivot_m: float
-    """Front pivot of the lower links above the axle."""
+    """Height of the front pivot of the lower links above the rear axle."""
     length_m: float
-    """The lower links'."""
+    """Length of the lower links, from the front pivot to the hitch point."""
 
 
 def lift_sine(depth_set_m: Number, lever: Levers) -> Number:
-    """Its sine; elementwise.
+    """Sine of the lower links' angle above the horizontal at a depth set point; elementwise [-].
 
-    (sole below hitch - depth - axle height - link pivot height) / link length
+    sine = (sole_m - depth_set_m - axle_m - pivot_m) / length_m, limited to [-1, 1].
+    Above the ground, the hitch points are at sole_m - depth_set_m, the pivot at axle_m + pivot_m.
     """
     rise_m = lever.sole_m - depth_set_m - lever.axle_m - lever.pivot_m
     sine: Number = np.maximum(-1.0, np.minimum(1.0, rise_m / lever.length_m))

@@ -123,7 +123,7 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], KeepsS
             truncations = self.elapsed >= self.limit
         self.running, self.ended = True, terminations | truncations
         self.seen = self.episodes.look()
-        told = self.episodes.told((*self.episodes.known, *self.episodes.rewarded, REWARD))
+        told = self.episodes.values_of((*self.episodes.known, *self.episodes.rewarded, REWARD))
         told = {n: np.where(again, 0.0, v) if n.startswith(REWARD) else v for n, v in told.items()}
         rewards = told.pop(REWARD)
         infos, everyone = Infos(), np.ones(self.num_envs, dtype=np.bool_)
@@ -216,7 +216,9 @@ class ManyEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any]], KeepsS
         """Observe the tractors in the mask, who have just begun; what is known of them."""
         ids = np.flatnonzero(mask)
         self.seen[ids] = self.episodes.look(ids)
-        return {name: value[ids] for name, value in self.episodes.told(self.episodes.known).items()}
+        return {
+            name: value[ids] for name, value in self.episodes.values_of(self.episodes.known).items()
+        }
 
     def _begin_at_once(self, ended: NDArray[np.bool_], last: Infos, infos: Infos) -> None:
         """SAME_STEP: what was last seen goes to the infos, and the ended begin anew."""

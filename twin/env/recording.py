@@ -71,7 +71,7 @@ class Recording(Wrapper[Observation, NDArray[np.float32], Observation, NDArray[n
         """What this instant looks like."""
         episodes = self.single.episodes
         fleet = episodes.fleet
-        moment: Infos = {name: float(value[0]) for name, value in episodes.told(TOWED).items()}
+        moment: Infos = {name: float(value[0]) for name, value in episodes.values_of(TOWED).items()}
         moment |= {"sensordata": fleet.sensordata[0].copy(), "userdata": fleet.slots[0].copy()}
         moment |= zip(episodes.actions_named, episodes.actions[0], strict=True)
         moment |= {name: info.get(name, 0.0) for name in episodes.rewarded}

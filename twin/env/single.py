@@ -54,7 +54,7 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], KeepsState):
         self.entries = episodes.entries
         self.observation_space = episodes.observation_space
         self.action_space = episodes.action_space
-        self.told = (*episodes.known, *episodes.rewarded, REWARD)
+        self.names = (*episodes.known, *episodes.rewarded, REWARD)
         self.screen: Screen | None = None
         self.running = self.ended = False
         self.count, self.ground = 0, Infos()
@@ -76,7 +76,7 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], KeepsState):
         self.running, self.ended = True, False
         self.count, self.ground = self.count + 1, ground.info(recipe)
         (observation,) = self.episodes.look()
-        info = self._told(self.episodes.known) | dict.fromkeys(self.episodes.rewarded, 0.0)
+        info = self._infos(self.episodes.known) | dict.fromkeys(self.episodes.rewarded, 0.0)
         self._show()
         return observation, info | self.ground
 
@@ -96,7 +96,7 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], KeepsState):
         stalled = self.episodes.advance(taken)
         self.running, self.ended = True, bool(stalled[0])
         (observation,) = self.episodes.look()
-        info = self._told(self.told)
+        info = self._infos(self.names)
         reward = info.pop(REWARD)
         self._show()
         return observation, reward, self.ended, False, info | self.ground
@@ -123,7 +123,7 @@ class SingleEnv(Env[Observation, NDArray[np.float32]], KeepsState):
             self.screen.close()
             self.screen = None
 
-    def _told(self, names: Sequence[str]) -> Infos:
+    def _infos(self, names: Sequence[str]) -> Infos:
         """What is known by name."""
         values, place = self.episodes.values[:, 0].tolist(), self.episodes.place
         return {name: values[place[name]] for name in names}

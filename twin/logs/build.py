@@ -21,7 +21,7 @@ from twin.logs.gnss_table import Origin, gnss_table
 from twin.logs.joined import shift
 from twin.logs.log import Log
 from twin.logs.losses import SHARE, Limits, judged
-from twin.logs.quantity_columns import ANGLE_COUNTS, Told
+from twin.logs.quantity_columns import ANGLE_COUNTS, Remarks
 from twin.logs.sections import Columns, holder, named, section_table
 from twin.logs.setup_block import assumed_names, setup_from, table_of
 from twin.logs.signals import Found, brought
@@ -38,21 +38,21 @@ def log_from(found: Mapping[str, Found], columns_of: ColumnMap, *, strict: bool 
         columns_of: the map.
         strict: refuse a log with a single bad row.
     """
-    told = Told(
+    remarks = Remarks(
         notes=[note for each in found.values() for note in each.notes],
         losses=[loss for each in found.values() for loss in each.losses],
     )
-    files = [Columns(name, each, columns_of, told) for name, each in found.items()]
+    files = [Columns(name, each, columns_of, remarks) for name, each in found.items()]
     _check_time(files, columns_of)
     if len(files) > 1:
-        shift(files, columns_of, told)
+        shift(files, columns_of, remarks)
     for file in files:
         table_ns = file.table_ns()
         if table_ns is not None:
-            told.notes += gap_notes("log", table_ns)
+            remarks.notes += gap_notes("log", table_ns)
     sections = {}
     for name, sources in columns_of.columns.items():
-        table = section_table(name, sources, files, columns_of, told) if sources else {}
+        table = section_table(name, sources, files, columns_of, remarks) if sources else {}
         if len(table) > 1:
             sections[name] = table
     text = {}
@@ -62,7 +62,7 @@ def log_from(found: Mapping[str, Found], columns_of: ColumnMap, *, strict: bool 
         text[label] = labels(column, timed.signal.cells), timed.epoch_ns
     share = columns_of.reading.bad_rows
     limits = Limits(SHARE if share is None else share, strict)
-    return _assembled(sections, text, columns_of, told, limits)
+    return _assembled(sections, text, columns_of, remarks, limits)
 
 
 def _check_time(files: Sequence[Columns], columns_of: ColumnMap) -> None:
@@ -77,7 +77,7 @@ def _assembled(
     sections: Mapping[str, Table],
     text: Mapping[str, tuple[Array, NDArray[np.int64]]],
     columns_of: ColumnMap,
-    told: Told,
+    remarks: Remarks,
     limits: Limits,
 ) -> Log:
     """A Log of SI columns by section, each with its `epoch_ns`, and of labels with their times."""
@@ -88,46 +88,46 @@ def _assembled(
         if name in sections:
             values = dict(sections[name])
             epoch_ns = values.pop("epoch_ns")
-            table, origin = _sensor_table(name, values, epoch_ns, told, setup)
+            table, origin = _sensor_table(name, values, epoch_ns, remarks, setup)
             setup = replace(setup, origin=origin) if origin else setup
-            measured = _measured_rows(name, table, epoch_ns, told)
+            measured = _measured_rows(name, table, epoch_ns, remarks)
             if not len(measured["epoch_ns"]):
                 continue
             tables[name] = measured
             rows_ns = measured["epoch_ns"] if name == "wheels" else rows_ns
-    left_out = judged(told.losses, limits)
+    left_out = judged(remarks.losses, limits)
     if not tables:
-        why = "; ".join(told.notes[-2:])
+        why = "; ".join(remarks.notes[-2:])
         raise BadInput(
             "no sensor has a measurement; name columns of [gnss], [wheels], ... in the map"
             + (f" ({why})" if why else "")
         )
-    told.notes += left_out
+    remarks.notes += left_out
     check_same_machine(*paired_speeds(Streams(tables)))
     tables, more = _without_cut_off(tables)
     mount_rad = setup.gnss.heading_mount_rad if setup.gnss else 0.0
-    told.notes += [*more, *disagreements(tables, mount_rad), *_absent(tables)]
+    remarks.notes += [*more, *disagreements(tables, mount_rad), *_absent(tables)]
     if "gnss" in tables:
         tables["gnss"], across = along_course(tables["gnss"], mount_rad)
-        told.notes += across
+        remarks.notes += across
     tables, reversing = signed(tables, mount_rad)
-    told.notes += reversing
+    remarks.notes += reversing
     if "wheels" in tables and rows_ns is not None:
         rows_ns = tables["wheels"]["epoch_ns"]
     setup, assumed = _with_blocks(setup, columns_of, tables)
     rows = {k: brought(v, times, rows_ns) for k, (v, times) in text.items() if rows_ns is not None}
     return Log(
         streams=Streams(tables), setup=setup, reference=sections.get("reference"),
-        rows=rows or None, rules=columns_of.rules, notes=(*told.notes, *assumed),
+        rows=rows or None, rules=columns_of.rules, notes=(*remarks.notes, *assumed),
     )  # fmt: skip
 
 
 def _sensor_table(
-    name: str, values: Table, epoch_ns: NDArray[np.int64], told: Told, setup: Setup
+    name: str, values: Table, epoch_ns: NDArray[np.int64], remarks: Remarks, setup: Setup
 ) -> tuple[Table, Origin | None]:
     if name == "gnss":
         mount_rad = setup.gnss.heading_mount_rad if setup.gnss else 0.0
-        return gnss_table(values, epoch_ns, told, setup.origin, mount_rad)
+        return gnss_table(values, epoch_ns, remarks, setup.origin, mount_rad)
     table = dict(values)
     if "driven_speed_mps" in table:
         speed = table.pop("driven_speed_mps")
@@ -138,7 +138,7 @@ def _sensor_table(
     return table, None
 
 
-def _measured_rows(name: str, table: Table, epoch_ns: NDArray[np.int64], told: Told) -> Table:
+def _measured_rows(name: str, table: Table, epoch_ns: NDArray[np.int64], remarks: Remarks) -> Table:
     """The rows in which the sensor measured anything, with their stamps."""
     kept = np.any([np.isfinite(v) for v in table.values()], axis=0) if table else (
         np.zeros(len(epoch_ns), bool)
@@ -147,9 +147,9 @@ def _measured_rows(name: str, table: Table, epoch_ns: NDArray[np.int64], told: T
         return {"epoch_ns": epoch_ns, "arrival_ns": epoch_ns, **table}
     lost = int((~kept).sum())
     first = f"(first at row {int(np.argmax(~kept)) + 1})"
-    told.notes.append(f"{name}: {lost} rows without a measurement left out {first}")
+    remarks.notes.append(f"{name}: {lost} rows without a measurement left out {first}")
     times = epoch_ns[kept]
-    told.notes += gap_notes(name, times)
+    remarks.notes += gap_notes(name, times)
     return {"epoch_ns": times, "arrival_ns": times} | {k: v[kept] for k, v in table.items()}
 
 

@@ -11,7 +11,7 @@ from twin.errors import BadInput
 from twin.logs.checks.spikes import spikes
 from twin.logs.geodesy import enu_m
 from twin.logs.losses import Loss
-from twin.logs.quantity_columns import Told
+from twin.logs.quantity_columns import Remarks
 from twin.streams import Array, Table
 
 Origin = tuple[float, float, float]
@@ -30,7 +30,7 @@ _DIRECTED = ("speed_mps", "course_rad", "v_forward_mps", "v_left_mps")
 def gnss_table(
     values: Table,
     epoch_ns: NDArray[np.int64],
-    told: Told,
+    remarks: Remarks,
     given: Origin | None = None,
     mount_rad: float = 0.0,
 ) -> tuple[Table, Origin | None]:
@@ -41,7 +41,7 @@ def gnss_table(
     Args:
         values: the columns, SI.
         epoch_ns: their times.
-        told: notes and losses, added to.
+        remarks: notes and losses, added to.
         given: the geodetic origin [deg, deg, m]; None for the first fix.
         mount_rad: from the body to the antenna baseline, whose heading is measured.
 
@@ -49,11 +49,11 @@ def gnss_table(
         the columns without stamps; the geodetic origin [deg, deg, m] if there is one.
     """
     table = {k: v for k, v in values.items() if k not in (*_GEODETIC, *_DIRECTED)}
-    origin = _add_position(table, values, epoch_ns, told, given)
+    origin = _add_position(table, values, epoch_ns, remarks, given)
     body = {"heading_rad": values["heading_rad"] - mount_rad} if "heading_rad" in values else {}
-    _add_velocity(table, {**values, **body}, told)
+    _add_velocity(table, {**values, **body}, remarks)
     if "v_east_mps" not in table and {"east_m", "north_m"} <= set(table):
-        _differentiate(table, epoch_ns, told)
+        _differentiate(table, epoch_ns, remarks)
     if "heading_rad" in table:
         table["heading_rad"] = _wrapped(table["heading_rad"])
     return table, origin
@@ -63,7 +63,7 @@ def _add_position(
     table: Table,
     values: Table,
     epoch_ns: NDArray[np.int64],
-    told: Told,
+    remarks: Remarks,
     given: Origin | None,
 ) -> Origin | None:
     if "latitude_rad" not in values and "longitude_rad" not in values:
@@ -73,13 +73,13 @@ def _add_position(
     if not {"latitude_rad", "longitude_rad"} <= set(values):
         raise BadInput("gnss.latitude and gnss.longitude go together; one is missing")
     lat, lon = values["latitude_rad"].copy(), values["longitude_rad"].copy()
-    told.notes += _drop_non_fixes(lat, lon, values.get("quality"))
+    remarks.notes += _drop_non_fixes(lat, lon, values.get("quality"))
     fixed = np.isfinite(lat) & np.isfinite(lon)
     if not fixed.any():
-        told.notes.append("gnss: no position fix")
+        remarks.notes.append("gnss: no position fix")
         return None
-    origin = _project(table, lat, lon, values.get("height_m"), fixed, told, given)
-    _drop_jumps(table, epoch_ns, told)
+    origin = _project(table, lat, lon, values.get("height_m"), fixed, remarks, given)
+    _drop_jumps(table, epoch_ns, remarks)
     return origin
 
 
@@ -98,7 +98,7 @@ def _project(
     lon: Array,
     height: Array | None,
     fixed: Array,
-    told: Told,
+    remarks: Remarks,
     given: Origin | None,
 ) -> Origin:
     measured = np.full(len(lat), np.nan) if height is None else height
@@ -125,7 +125,7 @@ def _project(
             f"row {row + 1}: a position {distance_km:.0f} km from the first fix;"
             " are the units right?"
         )
-        told.losses.append(Loss("log", np.flatnonzero(far) + 1, len(far), says))
+        remarks.losses.append(Loss("log", np.flatnonzero(far) + 1, len(far), says))
         east, north, up = (np.where(far, np.nan, v) for v in (east, north, up))
     table["east_m"], table["north_m"] = east, north
     if len(heights):
@@ -133,7 +133,7 @@ def _project(
     return given or (math.degrees(origin[0]), math.degrees(origin[1]), ground_m)
 
 
-def _drop_jumps(table: Table, epoch_ns: NDArray[np.int64], told: Told) -> None:
+def _drop_jumps(table: Table, epoch_ns: NDArray[np.int64], remarks: Remarks) -> None:
     """Make NaN of single positions far from those before and after."""
     time_s = (epoch_ns - epoch_ns[0]) * 1e-9
     jump = spikes(table["east_m"], time_s, "position")
@@ -141,15 +141,15 @@ def _drop_jumps(table: Table, epoch_ns: NDArray[np.int64], told: Told) -> None:
     if not jump.any():
         return
     says = f"row {int(np.argmax(jump)) + 1}: a single position far from its neighbours"
-    told.losses.append(Loss("log", np.flatnonzero(jump) + 1, len(jump), says))
+    remarks.losses.append(Loss("log", np.flatnonzero(jump) + 1, len(jump), says))
     for column in ("east_m", "north_m", "up_m"):
         if column in table:
             table[column] = np.where(jump, np.nan, table[column])
 
 
-def _add_velocity(table: Table, values: Table, told: Told) -> None:
+def _add_velocity(table: Table, values: Table, remarks: Remarks) -> None:
     if "v_forward_mps" in values:
-        _add_body_velocity(table, values, told)
+        _add_body_velocity(table, values, remarks)
         return
     if "speed_mps" not in values:
         return
@@ -161,27 +161,27 @@ def _add_velocity(table: Table, values: Table, told: Told) -> None:
         course = values.get("heading_rad")
         if course is None or not np.isfinite(course).any():
             course = np.zeros(len(speed))
-            told.notes.append(
+            remarks.notes.append(
                 "gnss: speed without course or heading stands along east: good for slip, not for"
                 " the track"
             )
         else:
-            told.notes.append(
+            remarks.notes.append(
                 "gnss: no course given, velocity taken along the heading: no sideslip in it"
             )
     held, count = _held(course, speed)
     if count:
-        told.notes.append(f"gnss: {count} rows at standstill without a course keep the last one")
+        remarks.notes.append(f"gnss: {count} rows at standstill without a course keep the last one")
     table["v_east_mps"], table["v_north_mps"] = speed * np.cos(held), speed * np.sin(held)
     lost = np.isfinite(speed) & np.isnan(table["v_east_mps"])
     if lost.sum() > 0.1 * np.isfinite(speed).sum():
-        told.notes.append(
+        remarks.notes.append(
             f"gnss: {int(lost.sum())} speeds have no course or heading on their row and are no"
             " velocity"
         )
 
 
-def _add_body_velocity(table: Table, values: Table, told: Told) -> None:
+def _add_body_velocity(table: Table, values: Table, remarks: Remarks) -> None:
     """v_east = v_forward cos(heading) - v_left sin(heading); v_north likewise."""
     if {"speed_mps", "v_east_mps", "v_north_mps"} & set(values):
         raise BadInput("gnss.v_forward and another velocity are both given; name one")
@@ -190,7 +190,7 @@ def _add_body_velocity(table: Table, values: Table, told: Told) -> None:
     heading = values.get("heading_rad")
     if heading is None:
         heading = np.zeros(len(forward))
-        told.notes.append(
+        remarks.notes.append(
             "gnss: body velocity without a heading stands along east: good for slip, not for the"
             " track"
         )
@@ -198,7 +198,7 @@ def _add_body_velocity(table: Table, values: Table, told: Told) -> None:
     table["v_north_mps"] = forward * np.sin(heading) + left * np.cos(heading)
 
 
-def _differentiate(table: Table, epoch_ns: NDArray[np.int64], told: Told) -> None:
+def _differentiate(table: Table, epoch_ns: NDArray[np.int64], remarks: Remarks) -> None:
     """Velocity of positions alone: (p_k+1 - p_k-1) / (t_k+1 - t_k-1); no longer than LONGEST_S."""
     known = np.flatnonzero(np.isfinite(table["east_m"]) & np.isfinite(table["north_m"]))
     if len(known) < 3:
@@ -211,7 +211,7 @@ def _differentiate(table: Table, epoch_ns: NDArray[np.int64], told: Told) -> Non
         rate = np.full(len(epoch_ns), np.nan)
         rate[known[1:-1][usable]] = ((place[2:] - place[:-2]) / step_s)[usable]
         table[f"v_{axis}_mps"] = rate
-    told.notes.append(
+    remarks.notes.append(
         "gnss: no speed is mapped, velocity made of the positions: as exact as they are"
     )
 

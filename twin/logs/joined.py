@@ -9,7 +9,7 @@ import numpy as np
 from twin.errors import BadInput
 from twin.logs.clocks import AGREE_SD, Speed, offset
 from twin.logs.column_map import ColumnMap
-from twin.logs.quantity_columns import Told, si_values
+from twin.logs.quantity_columns import Remarks, si_values
 from twin.logs.sections import Columns, holder
 
 _SPEEDS = (
@@ -18,7 +18,7 @@ _SPEEDS = (
 )  # fmt: skip
 
 
-def shift(files: list[Columns], columns_of: ColumnMap, told: Told) -> None:
+def shift(files: list[Columns], columns_of: ColumnMap, remarks: Remarks) -> None:
     """Set what each file's clock is ahead of the first's, as the map says or the speeds show."""
     given = columns_of.reading.offset_s
     _check(given, files)
@@ -27,9 +27,9 @@ def shift(files: list[Columns], columns_of: ColumnMap, told: Told) -> None:
         stated = given.get(file.file, given.get(file.file.rpartition(".")[0]))
         if stated is not None:
             file.shift_ns = round(stated * 1e9)
-            told.notes.append(f"{file.file}: its clock is {stated:+.3f} s ahead, as given")
+            remarks.notes.append(f"{file.file}: its clock is {stated:+.3f} s ahead, as given")
         elif file is not reference:
-            _find(file, reference, files, columns_of, told)
+            _find(file, reference, files, columns_of, remarks)
 
 
 def _check(given: Mapping[str, float], files: list[Columns]) -> None:
@@ -40,11 +40,11 @@ def _check(given: Mapping[str, float], files: list[Columns]) -> None:
 
 
 def _find(
-    file: Columns, reference: Columns, files: list[Columns], columns_of: ColumnMap, told: Told
+    file: Columns, reference: Columns, files: list[Columns], columns_of: ColumnMap, remarks: Remarks
 ) -> None:
     ours, theirs = (_speed(f, files, columns_of) for f in (file, reference))
     if ours is None or theirs is None:
-        told.notes.append(
+        remarks.notes.append(
             f"{file.file}: without a speed its clock is taken to be that of {reference.file};"
             " offset_s in [log] says otherwise"
         )
@@ -54,14 +54,14 @@ def _find(
     except BadInput as error:
         if not _overlap(theirs, ours):
             raise
-        told.notes.append(f"{file.file}: clock taken as it is: {error}")
+        remarks.notes.append(f"{file.file}: clock taken as it is: {error}")
         return
     said = f"{found.offset_s:+.3f} s (sd {found.sd_s:.3f} s) ahead of that of {reference.file}"
     if abs(found.offset_s) > AGREE_SD * found.sd_s:
         file.shift_ns = round(found.offset_s * 1e9)
-        told.notes.append(f"{file.file}: its clock is {said}, found from the speeds; taken off")
+        remarks.notes.append(f"{file.file}: its clock is {said}, found from the speeds; taken off")
     else:
-        told.notes.append(f"{file.file}: its clock is {said}: none is taken off")
+        remarks.notes.append(f"{file.file}: its clock is {said}: none is taken off")
 
 
 def _overlap(a: Speed, b: Speed) -> bool:
@@ -81,12 +81,12 @@ def _speed(file: Columns, files: list[Columns], columns_of: ColumnMap) -> Speed 
         if where is not file:
             continue
         timed = file.timed(name, section)
-        mps = si_values(section, key, source, timed.signal, timed.at, columns_of, Told())
+        mps = si_values(section, key, source, timed.signal, timed.at, columns_of, Remarks())
         if key == "v_east" and "v_north" in columns_of.columns[section]:
             north = columns_of.columns[section]["v_north"]
             other = file.timed(holder(north.column, files, "gnss.v_north")[1], section)
             if len(other.epoch_ns) == len(mps):
-                more = other.signal, other.at, columns_of, Told()
+                more = other.signal, other.at, columns_of, Remarks()
                 mps = np.hypot(mps, si_values(section, "v_north", north, *more))
         return Speed(epoch_ns=timed.epoch_ns, mps=mps)
     return None

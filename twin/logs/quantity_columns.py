@@ -1,4 +1,4 @@
-"""One mapped column as SI values: its cells as numbers, in its unit, without what cannot be."""
+"""Convert one mapped column to SI values; cells with impossible values become NaN."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ _FRD = {"gyro_y", "gyro_z", "accel_y", "accel_z"}
 
 
 @dataclass
-class Told:
-    """What is found on the way: notes, and what is left out."""
+class Remarks:
+    """Collected while a log is read: notes for the user, and rows that were left out (losses)."""
 
     notes: list[str] = field(default_factory=list)
     losses: list[Loss] = field(default_factory=list)
@@ -42,9 +42,9 @@ def si_values(
     signal: Signal,
     at: NDArray[np.int64],
     columns_of: ColumnMap,
-    told: Told,
+    remarks: Remarks,
 ) -> NDArray[np.float64]:
-    """SI values of a column, NaN where it has none or one that cannot be.
+    """SI values of a column; NaN where a cell is empty or its value is impossible.
 
     Args:
         section, key: of the map.
@@ -52,7 +52,7 @@ def si_values(
         signal: the column, or its rows that have a time.
         at: number in the log of each of its rows.
         columns_of: the map.
-        told: notes and losses, added to.
+        remarks: notes and losses, added to.
     """
     quantity, name = QUANTITIES[section][key], source.column
     fastest_kmh = columns_of.reading.fastest_kmh
@@ -63,7 +63,7 @@ def si_values(
         says = (
             f"column {quoted(name)}, row {at[row]}: {_not_a_number(cell_text(signal.cells, row))}"
         )
-        told.losses.append(Loss(table, at[wrong], len(raw), says))
+        remarks.losses.append(Loss(table, at[wrong], len(raw), says))
     holes = given_as_missing(raw, source.missing)
     factor = _factor(section, key, quantity, source.unit, columns_of.setup)
     in_unit = raw if source.scale == 1.0 and source.offset == 0.0 else (
@@ -74,7 +74,7 @@ def si_values(
     codes = stands_for_none(key, quantity, raw, si, compass=compass) & ~holes
     if codes.any():
         first = raw[int(np.argmax(codes))]
-        told.notes.append(
+        remarks.notes.append(
             f"{section}.{key}: {codes.sum()} values that stand for none, as {first:.7g}, are holes"
         )
     si = np.where(holes | codes, np.nan, si) if holes.any() or codes.any() else si
@@ -84,7 +84,7 @@ def si_values(
     if odd.any():
         row = int(np.argmax(odd))
         why = why_implausible(quantity, source.unit, factor, float(si[row]), fastest_kmh)
-        told.losses.append(
+        remarks.losses.append(
             Loss(table, at[odd], len(si), f"column {quoted(name)}, row {at[row]}: {why}")
         )
         si = np.where(odd, np.nan, si)
@@ -121,7 +121,7 @@ def _factor(
     return WHEEL_RATES[unit] * radius
 
 
-def as_counts(source: Source, ticks: Array, at: NDArray[np.int64], told: Told) -> Array:
+def as_counts(source: Source, ticks: Array, at: NDArray[np.int64], remarks: Remarks) -> Array:
     """Ticks without fractions, but for rounding: what is no count is a hole."""
     if source.unit in UNITS["angle"]:
         return np.asarray(np.round(ticks))
@@ -130,5 +130,5 @@ def as_counts(source: Source, ticks: Array, at: NDArray[np.int64], told: Told) -
         return np.asarray(np.round(ticks))
     row = int(np.argmax(broken))
     says = f"column {quoted(source.column)}, row {at[row]}: {ticks[row]} is not a count"
-    told.losses.append(Loss("log", at[broken], len(ticks), says))
+    remarks.losses.append(Loss("log", at[broken], len(ticks), says))
     return np.where(broken, np.nan, ticks)

@@ -18,7 +18,7 @@ from twin.logs.column_map import BEARINGS, ColumnMap, Source
 from twin.logs.gaps import between
 from twin.logs.losses import Loss
 from twin.logs.quantities import QUANTITIES
-from twin.logs.quantity_columns import Told, as_counts, si_values
+from twin.logs.quantity_columns import Remarks, as_counts, si_values
 from twin.logs.signals import Found, Signal, brought
 from twin.logs.stamps import Stamps, in_order, stamps
 from twin.streams import Array, Table
@@ -40,8 +40,8 @@ class Timed:
 class Columns:
     """The signals of one file, each with the times that a map gives it."""
 
-    def __init__(self, file: str, found: Found, columns_of: ColumnMap, told: Told) -> None:
-        self.file, self.found, self._map, self._told = file, found, columns_of, told
+    def __init__(self, file: str, found: Found, columns_of: ColumnMap, remarks: Remarks) -> None:
+        self.file, self.found, self._map, self._remarks = file, found, columns_of, remarks
         self.shift_ns = 0
         """What is taken off the file's clock."""
         self._stamps: dict[str, Stamps] = {}
@@ -70,7 +70,7 @@ class Columns:
         rising, losses = in_order(name, signal.epoch_ns, numbered, name, len(numbered))
         if id(signal.epoch_ns) not in self._clocks:  # signals of one source share their times
             self._clocks[id(signal.epoch_ns)] = signal.epoch_ns
-            self._told.losses += losses
+            self._remarks.losses += losses
         rows = Signal(kept(signal.cells, rising), signal.epoch_ns[rising])
         return Timed(rows, signal.epoch_ns[rising] - self.shift_ns, numbered[rising])
 
@@ -101,7 +101,7 @@ class Columns:
             ]
             cells = parts[0] if len(parts) == 1 else side_by_side(parts)
             made = stamps(time.column, cells, time.unit, time.layout, self.found.row, "log")
-            self._told.losses += made.losses
+            self._remarks.losses += made.losses
             self._stamps[time.column] = made
         return self._stamps[time.column]
 
@@ -136,7 +136,7 @@ def section_table(
     sources: Mapping[str, Source],
     files: list[Columns],
     columns_of: ColumnMap,
-    told: Told,
+    remarks: Remarks,
 ) -> Table:
     """SI columns of a section of the map, at the times of its first signal.
 
@@ -150,7 +150,7 @@ def section_table(
         sources: key of the map -> the column that it names.
         files: the columns of every file.
         columns_of: the map.
-        told: notes and assumptions, added to.
+        remarks: notes and assumptions, added to.
 
     Raises:
         BadInput: a column is missing or in several files, a value's unit is unknown, or ticks have
@@ -164,11 +164,11 @@ def section_table(
         timed = file.timed(name, section)
         if not len(timed.epoch_ns):
             continue
-        values = si_values(section, key, source, timed.signal, timed.at, columns_of, told)
+        values = si_values(section, key, source, timed.signal, timed.at, columns_of, remarks)
         file.used(source.column, name)
         timed = Timed(Signal(np.empty(0), timed.signal.epoch_ns), timed.epoch_ns, timed.at)
         if key.startswith("ticks_"):
-            values = as_counts(source, values, timed.at, told)
+            values = as_counts(source, values, timed.at, remarks)
         times = timed.epoch_ns
         at = at if table else timed.at
         epoch_ns = table.setdefault("epoch_ns", times)
@@ -180,14 +180,14 @@ def section_table(
             values = np.where(first, _brought(section, key, values, times, epoch_ns), np.nan)
         table[QUANTITIES[section][key].column] = values
     if moved:
-        told.notes.append(
+        remarks.notes.append(
             f"{section}: {', '.join(moved)} brought to the times of {next(iter(sources))}"
         )
     if len(table) > 1 and section != "reference":
-        table, rows = _measured_once(section, table, told)
-        _drop_spikes(section, sources, table, at[rows], told)
+        table, rows = _measured_once(section, table, remarks)
+        _drop_spikes(section, sources, table, at[rows], remarks)
     if section == "wheels":
-        _unwrap(table, told)
+        _unwrap(table, remarks)
     return table
 
 
@@ -201,7 +201,11 @@ def _other_rows(table: Table, values: Array) -> NDArray[np.bool_] | None:
 
 
 def _drop_spikes(
-    section: str, sources: Mapping[str, Source], table: Table, at: NDArray[np.int64], told: Told
+    section: str,
+    sources: Mapping[str, Source],
+    table: Table,
+    at: NDArray[np.int64],
+    remarks: Remarks,
 ) -> None:
     """Make holes of single speeds and positions far from their neighbours, in place."""
     if section not in ("gnss", "wheels"):
@@ -218,7 +222,7 @@ def _drop_spikes(
             says = (
                 f"column {quoted(source.column)}, row {row}: a single value far from its neighbours"
             )
-            told.losses.append(Loss("log", at[found], len(size), says))
+            remarks.losses.append(Loss("log", at[found], len(size), says))
             for column in columns:
                 table[column] = np.where(found, np.nan, table[column])
 
@@ -255,17 +259,17 @@ def _brought(
     return between((to_ns - start_ns) * 1e-9, (from_ns[known] - start_ns) * 1e-9, at)
 
 
-def _measured_once(section: str, table: Table, told: Told) -> tuple[Table, NDArray[np.bool_]]:
+def _measured_once(section: str, table: Table, remarks: Remarks) -> tuple[Table, NDArray[np.bool_]]:
     """The table without rows, or with holes, where values are carried forward; the rows kept."""
     columns = {k: v for k, v in table.items() if k != "epoch_ns"}
     rows = carried.measured(list(columns.values()))
     if rows is not None:
-        told.notes.append(_carried_note(section, rows))
+        remarks.notes.append(_carried_note(section, rows))
         return {k: v[rows] for k, v in table.items()}, rows
     for key, values in columns.items():
         rows = None if key.startswith("ticks_") else carried.measured([values])
         if rows is not None:
-            told.notes.append(_carried_note(f"{section} {key}", rows))
+            remarks.notes.append(_carried_note(f"{section} {key}", rows))
             table = {**table, key: np.where(rows, values, np.nan)}
     return table, np.ones(len(table["epoch_ns"]), bool)
 
@@ -278,7 +282,7 @@ def _carried_note(what: str, rows: NDArray[np.bool_]) -> str:
     )
 
 
-def _unwrap(table: Table, told: Told) -> None:
+def _unwrap(table: Table, remarks: Remarks) -> None:
     """Counts that go on where a counter wraps, as integers: rows that lack one leave."""
     ticks = [k for k in table if k.startswith("ticks_")]
     if not ticks:
@@ -286,11 +290,11 @@ def _unwrap(table: Table, told: Told) -> None:
     whole = np.all([np.isfinite(table[k]) for k in ticks], axis=0)
     for key in ticks:
         counts, spike, notes = unwrapped(table[key][whole])
-        told.notes += [f"wheels {key}: {note}" for note in notes]
+        remarks.notes += [f"wheels {key}: {note}" for note in notes]
         if spike.any():
             at = np.flatnonzero(whole)[spike] + 1
             says = f"{key}, row {at[0]}: a single count far from its neighbours"
-            told.losses.append(Loss("log", at, len(whole), says))
+            remarks.losses.append(Loss("log", at, len(whole), says))
         table[key] = np.full(len(whole), np.nan)
         table[key][np.flatnonzero(whole)[~spike]] = counts[~spike]
     whole = np.all([np.isfinite(table[k]) for k in ticks], axis=0)

@@ -1,4 +1,8 @@
-"""The parameter block of the laws, from the model's <numeric> values and the scenario."""
+"""The parameter block of the laws, from the model's <numeric> values and the scenario.
+
+The module is longer than 300 lines because every part of the block has one function here, so that
+the block can be checked against its layout in `twin.physics.block` in one place.
+"""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ from twin.compute.compiled import key
 from twin.errors import BadInput
 from twin.physics.law_table import MOST_LAWS
 from twin.plugins.failing import WRITES
-from twin.plugins.lookup import words
+from twin.plugins.lookup import plain_message
 
 Function = Callable[..., Any]
 """A law: a function as `twin.physics.laws` or `twin.physics.implement_laws` describes it."""
@@ -90,7 +90,7 @@ class LawKind:
                 pure = numba.njit(error_model="numpy")(function)
             return self.as_c(pure)
         except Exception as error:  # whatever numba says of a user's function
-            text = words(error)
+            text = plain_message(error)
             said = [n for n in text.splitlines() if n and not n.startswith("Failed in nopython")]
             reason = said[0] if said else type(error).__name__
             if WRITES.search(text):

@@ -47,20 +47,20 @@ def all_estimates(
     estimators: Mapping[str, Estimator],
     setup: Setup,
     streams: Streams,
-    told: Callable[[int, int], None] = lambda done, total: None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Estimated:
     """Every estimator over whole streams; one that fails gives NaN and a note, the others go on.
 
     Args:
         estimators: by name.
         setup, streams: given to each.
-        told: called with the number of estimators that are done, and of all.
+        progress: called as progress(done, total) with numbers of estimators.
     """
     tables: dict[str, Table] = {}
     failed: dict[str, str] = {}
     notes: list[str | None] = []
     for done, (name, estimator) in enumerate(estimators.items()):
-        told(done, len(estimators))
+        progress(done, len(estimators))
         try:
             tables[name] = estimates(name, estimator, setup, streams)
             notes.append(percent_note(f"slip of '{name}'", tables[name], streams))

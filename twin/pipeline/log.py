@@ -35,7 +35,7 @@ def estimate(
     offset_s: Mapping[str, float] | None = None,
     hide_s: Sequence[float] = (),
     tuning: Path | None = None,
-    told: Callable[[int, int], None] = lambda done, total: None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Result:
     """Read a log and run the estimators on it.
 
@@ -48,7 +48,7 @@ def estimate(
         offset_s: file name -> how far its clock is ahead of the first file's [s].
         hide_s: times for which GNSS is hidden to score the predicted speed [s]; empty for none.
         tuning: file of `twin tune` with other noises for some of them.
-        told: called with the number of estimators that are done, and of all.
+        progress: called as progress(done, total) with numbers of estimators.
 
     Raises:
         BadInput: the log or the map cannot be used; says which value, and what would do.
@@ -60,11 +60,11 @@ def estimate(
     files = [paths] if isinstance(paths, Path) else list(paths)
     read = logs.read(files, column_map, reader, strict=strict, offset_s=offset_s)
     log, steady, beside = prepared(read)
-    done = all_estimates(estimators, log.setup, log.streams, told)
+    done = all_estimates(estimators, log.setup, log.streams, progress)
     hidden = {"hidden": hidden_scores(log, estimators, hide_s)} if hide_s else {}
     known = reference(log, files[0]) or {}
     found = findings(log, done.tables, steady, protocol_spans_ns(beside))
-    noted = loud(log, done.tables, found.get("work_slip"))
+    noted = slip_warnings(log, done.tables, found.get("work_slip"))
     odd = percent_note("slip of the reference", known, log.streams)
     return Result(
         scenario=None,
@@ -80,16 +80,17 @@ def estimate(
     )
 
 
-LOUD_SLIP = 0.25
+LARGE_SLIP = 0.25
 """Median slip that no work in a field has; most often a unit or a radius is wrong."""
 
 
-def loud(
+def slip_warnings(
     log: Log, estimates: Mapping[str, Table], work_slip: Mapping[str, Plain] | None = None
 ) -> list[str]:
-    """A note for every estimator whose median slip is large, or that says nothing of slip.
+    """Warnings: one per estimator whose median |slip| exceeds LARGE_SLIP or that has no slip.
 
-    Its slip while driving and at work, and that of all rows where it gives none while driving.
+    The median is taken while driving and at work. If an estimator gives no slip while driving, the
+    median of all rows is taken.
     """
     notes = []
     for name, table in estimates.items():
@@ -99,10 +100,10 @@ def loud(
         median = driving["median"] if driving["n"] else spread(slip)["median"]
         of_rows = {rows: median, "at work": work.get("median")}
         large = [f"{100 * m:+.1f} % {which}" for which, m in of_rows.items()
-                 if m is not None and abs(m) > LOUD_SLIP]  # fmt: skip
+                 if m is not None and abs(m) > LARGE_SLIP]  # fmt: skip
         if large:
             notes.append(
-                f"{name}: median slip {', '.join(large)} is beyond {100 * LOUD_SLIP:.0f} %: are "
+                f"{name}: median slip {', '.join(large)} is beyond {100 * LARGE_SLIP:.0f} %: are "
                 "the units, the radius and the columns right?"
             )
         if "slip" not in table:
@@ -188,9 +189,9 @@ def prepared(log: Log) -> tuple[Log, SteadySlip | None, dict[str, Plain]]:
     scale = log_check.log_scale(log)
     scaled = log_check.scaled(log, scale.scale)
     steady = log_check.steady_slip(log) if "steady" in log.rules else None
-    told = {"scale": scale.scale, "low": scale.low, "high": scale.high, "n": scale.n,
+    calibration = {"scale": scale.scale, "low": scale.low, "high": scale.high, "n": scale.n,
             "rule": scale.rule}  # fmt: skip
-    return scaled, steady, beside | {"zero_slip_scale": told}
+    return scaled, steady, beside | {"zero_slip_scale": calibration}
 
 
 def _zero_slip(log: Log, beside: Mapping[str, Plain]) -> str:

@@ -1,8 +1,10 @@
-"""What of a scenario a run would not read, and its refusal: a knob turns something or says so.
+"""Fields of a scenario that a run would not read; setting such a field raises an error.
 
 `RULES` has the condition of each field that is only sometimes read. Patches and faults have
 functions of their own. All other fields are always read. A scenario that has only signals, and no
 machine, has a method of its own: `unread() -> {field: what it needs}`.
+
+The module is longer than 300 lines because `RULES` is one table with a row for each field.
 """
 
 from __future__ import annotations

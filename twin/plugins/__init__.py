@@ -1,1 +1,1 @@
-"""What is found by name or by `module:Name`."""
+"""Objects that are found by their name or by `module:Name`, such as estimators."""

@@ -1,4 +1,4 @@
-"""A thing by `module:Name`, from wherever the user stands."""
+"""Import an object by `module:Name`; the module may be in the working directory."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 from twin.errors import BadInput, UnknownName
 
 Thing: TypeAlias = Any
-"""Whatever a user's module has."""
+"""Any object of a user's module."""
 COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 
 
@@ -42,7 +42,7 @@ def attribute(kind: str, spec: str) -> Thing:
 
 
 def instance(kind: str, spec: str, found: Thing) -> Thing:
-    """What was found; a class is made into an instance. Raises BadInput if it cannot be made."""
+    """The object, or an instance if it is a class. Raises BadInput if the constructor fails."""
     if not isinstance(found, type):
         return found
     try:
@@ -76,10 +76,10 @@ def where(error: BaseException, thing: object) -> str:
 
 def line(error: BaseException) -> str:
     """An error in one line: its type and the first line of its message."""
-    first = (words(error).splitlines() or [""])[0]
+    first = (plain_message(error).splitlines() or [""])[0]
     return f"{type(error).__name__}: {first}" if first else type(error).__name__
 
 
-def words(error: BaseException) -> str:
-    """Its message without the colours that numba gives one where colorama is installed."""
+def plain_message(error: BaseException) -> str:
+    """The message of an error, without terminal colour codes (numba adds them with colorama)."""
     return COLOUR.sub("", str(error))

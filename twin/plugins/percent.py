@@ -1,4 +1,4 @@
-"""A slip that was given in percent, which is a ratio here: suspected aloud, never scaled."""
+"""A warning for slip that seems to be in percent. Slip is a ratio; values are never rescaled."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from twin.streams import Streams, Table
 
 MOVING_MPS = 0.5
-"""Below this speed a slip says nothing [m/s]."""
+"""Slip is ignored below this speed, as it is then a ratio of two noises [m/s]."""
 LARGEST_MEDIAN = 1.0
 """Slip is at most 1 in size by its definition, and so is its median."""
 
@@ -35,7 +35,7 @@ def percent_note(what: str, table: Table, streams: Streams | None = None) -> str
 
 
 def _moving(table: Table, streams: Streams | None) -> NDArray[np.bool_]:
-    """The rows in which the machine moves; all of them where nobody knows."""
+    """Rows in which the machine moves; all rows if no speed is available."""
     for column in ("speed_mps", "wheel_speed_mps"):
         if column in table and np.isfinite(table[column]).any():
             return np.abs(table[column]) > MOVING_MPS

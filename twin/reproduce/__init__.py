@@ -21,6 +21,7 @@ STORIES: dict[str, str] = {
     "ima-pkf": "twin.reproduce.ima_pkf_story:clean",
     "ima-pkf-disturbed": "twin.reproduce.ima_pkf_story:disturbed",
     "ima-pkf-field": "twin.reproduce.ima_pkf_story:field",
+    "sideslip-ekf": "twin.reproduce.sideslip_ekf:said",
     "slip-and-draft": "twin.reproduce.slip_and_draft:said",
     "speed-and-depth": "twin.reproduce.speed_and_depth:said",
 }

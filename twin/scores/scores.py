@@ -2,6 +2,9 @@
 
 Pure functions on tables. What is left out is counted: a NaN, in the estimate or in the truth, and
 what is slower than `twin.scores.phases.DRIVING_MPS`, where a slip is a ratio of two noises.
+
+The module is longer than 300 lines because each score has a definition in its docstring, and all
+scores share the window and the rule of what is left out.
 """
 
 from __future__ import annotations

@@ -2,6 +2,9 @@
 
 What is wanted comes as `Orders`; what a machine lets a driver do, and how long it takes, stands
 here. Every function gives the next `Cab` from the last.
+
+The module has about 300 lines because all driving states (starting, braking, shifting, driving)
+read and set the same few controls; in separate modules their order could not be read in one place.
 """
 
 from __future__ import annotations
@@ -34,7 +37,7 @@ STALLS, HOLDS = 0.65, 1.15
 """Engine speed over idle at which the driver opens the clutch again, and at which he feeds it in
 without a pause [-]; assumed."""
 LETS_SLIP = 4.0
-"""How much faster he opens it than he feeds it in [-]; assumed."""
+"""Speed of opening the clutch over the speed of closing the clutch [-]; assumed."""
 DEAD, RUNS = 0.45, 0.8
 """Engine speed over idle below which it has died, and above which it runs by itself [-]."""
 MODULATED, SHIFT_S = 0.35, 0.6
@@ -55,11 +58,11 @@ LAUNCH_KMH = 9.0
 
 
 class Gears(NamedTuple):
-    """What a driver knows of the transmission and the engine."""
+    """Constants of the transmission, the engine and the driver that decisions are made with."""
 
     kind: str
     ratios: tuple[float, ...]
-    """From the slowest to the fastest; two limits of a CVT."""
+    """Ratios from the slowest gear to the fastest; for a CVT, its two limits."""
     idle_rpm: float
     no_load_rpm: float
     rim_m: float
@@ -67,32 +70,32 @@ class Gears(NamedTuple):
     """Brake pedal that slows the machine by 1 m/s2."""
     reaction_s: float
     pause_s: float
-    """How long he stands where he changes the direction."""
+    """Time at standstill before the driver changes the direction of travel."""
     shifts: bool
-    """Whether he shifts down where the engine lugs, and up again."""
+    """Whether the driver shifts down when the engine is overloaded, and later up again."""
 
     @property
     def stalls(self) -> bool:
-        """Whether the engine has to be kept from stalling."""
+        """Whether the engine can stall, so that the driver must open the clutch in time."""
         return self.kind != "electric"
 
     def set_rpm(self, throttle: float) -> float:
-        """No-load speed that a throttle asks for."""
+        """No-load engine speed set by a throttle position in [0, 1]."""
         return self.idle_rpm + throttle * (self.no_load_rpm - self.idle_rpm)
 
     def throttle(self, set_rpm: float) -> float:
-        """Throttle that asks for a no-load speed."""
+        """Throttle position in [0, 1] that sets a no-load engine speed."""
         return (set_rpm - self.idle_rpm) / (self.no_load_rpm - self.idle_rpm)
 
 
 class Orders(NamedTuple):
-    """What is wanted of the machine."""
+    """What the driver shall do in this interval: ratio, direction, engine, brake."""
 
     ratio: float
     """Engine turns per turn of the rear axle, above 0."""
     throttle: float
     way: int = 1
-    """1 ahead, -1 back."""
+    """Direction of travel: 1 forward, -1 backward."""
     stands: bool = False
     off: bool = False
     """The engine, while it stands."""
@@ -102,25 +105,25 @@ class Orders(NamedTuple):
 
 
 class Felt(NamedTuple):
-    """What the driver feels."""
+    """Measured state of the machine on which the driver decides."""
 
     engine_rpm: float
     speed_mps: float
-    """Ahead; below 0 backwards."""
+    """Ground speed: positive forward, negative backward."""
     load: float
     """Torque over full-load torque."""
     rim_mps: float = 0.0
-    """w R of the driven wheels."""
+    """Wheel speed w R of the driven wheels: angular speed times rolling radius."""
 
 
 class Cab(NamedTuple):
-    """The controls, and what the driver remembers of the last moments."""
+    """Positions of the controls, and the timers and counters kept between intervals."""
 
     ratio: float
-    """That of the gear that is in; below 0 in reverse."""
+    """Ratio of the engaged gear; negative in reverse."""
     throttle: float
     grip: float = 1.0
-    """Engagement of the clutch."""
+    """Engagement of the clutch: 0 open, 1 closed."""
     brake: float = 0.0
     key: int = Key.RUN
     standing: bool = False

@@ -1,7 +1,7 @@
-"""Do the missing runs of a plan. joblib decides which process does which run.
+"""Run the cases of a study that have no result yet, in parallel processes of joblib.
 
-Workers write their parts themselves and hand nothing back, so on a cluster the folder must be one
-that all nodes share.
+Each process writes its result to a file in the folder and returns nothing. On a cluster, all nodes
+must therefore share that folder.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from twin.studies import part
 from twin.studies.plan import Case
 
 LOCAL = "loky"
-"""joblib's own local processes."""
+"""Name of joblib's backend of local processes."""
 REGISTERED_BY = {"ray": "ray.util.joblib:register_ray"}
 """Backends that joblib knows only once their own package has registered them."""
 
 
 def missing(cases: Sequence[Case], folder: Path) -> list[Case]:
-    """The cases without a part in the folder."""
+    """Cases that have no result file in the folder."""
     there = {path.name for path in folder.glob("*.parquet")}
     return [case for case in cases if case.part not in there]
 
@@ -62,11 +62,11 @@ def work(
     if not todo:
         return
     workers = _workers(backend, jobs, options or {})
-    told = Counted(n_jobs=jobs)
-    told.told = lambda count: progress((done + count) / len(cases))
+    parallel = Counted(n_jobs=jobs)
+    parallel.report = lambda count: progress((done + count) / len(cases))
     try:
         with workers:
-            told(joblib.delayed(part.write)(case, folder) for case in todo)
+            parallel(joblib.delayed(part.write)(case, folder) for case in todo)
     except Exception as error:  # a run's own are rows; this is a full disk or a lost worker
         text = f"the study stopped: {line(error)}; the same command continues it"
         raise (NoSpace if isinstance(error, NoSpace) else BadInput)(text) from None

@@ -30,56 +30,56 @@ LOG_SEEDS = 6
 
 
 @dataclass(frozen=True, kw_only=True)
-class Words(Basis):
-    """What a quantity of the ploughing study rests on, and where it stands on the page."""
+class PloughingBasis(Basis):
+    """Source and grade of a tolerance in the ploughing study, and its section on the page."""
 
     layer: str = "field"
 
 
 PLOUGHING = {
-    "mean speed": Words(
+    "mean speed": PloughingBasis(
         source="Fu et al., INMATEH 77-13", grade="measured",
         why="the published speeds themselves scatter 1.6 % about any smooth law",
         note="gear, throttle, cone index and draft scale were chosen with these four speeds in "
         "view: a fit, not a test of the draft",
     ),
-    "mean slip": Words(
+    "mean slip": PloughingBasis(
         source="traction, draft and governor laws sampled under the published speeds, 5 to 95 %",
         why="speed and draft fix slip to about a third of itself; the paper's slip is not readable",
         grade="assumed",
     ),
-    "draft CV": Words(
+    "draft CV": PloughingBasis(
         source="Novi Sad, 19 ploughing runs: CV 8 to 13 %, worst 19 %", grade="measured",
         why="the range of the runs",
         note="the variation was set by such figures: agreement is a fit",
     ),
-    "draft correlation length": Words(
+    "draft correlation length": PloughingBasis(
         source="the literature, from memory: 2 to 5 m", why="the range", grade="assumed",
     ),
-    "fuel": Words(
+    "fuel": PloughingBasis(
         source="an MF 275, 10 to 30 cm deep at 4.2 to 6.8 km/h: 15.5 to 26.9 L/ha; a tractor in "
         "India, 15 to 22 cm: 20 to 23 L/ha", grade="measured",
         why="the range of other tractors and soils",
         note="of steady ploughing: no turns, no way to the field; from power and speed of the "
         "engine at each instant. What draft and gear cost is in it, and the law's own scatter",
     ),
-    "growth of slip sd": Words(
+    "growth of slip sd": PloughingBasis(
         source="draft law: slip sd .8 to 4.1 % from 15 to 30 cm at one draft CV", grade="derived",
         why="at least 3 times, where the law alone gives 5 and inertia takes some",
     ),
-    "largest roll error": Words(
+    "largest roll error": PloughingBasis(
         source="atan(depth / track) and the tyres' deflections", why="settling in the furrow",
         grade="derived", layer="analytic",
     ),
-    "largest power imbalance over engine work": Words(
+    "largest power imbalance over engine work": PloughingBasis(
         source="engine work = all losses + stored energy", grade="derived", layer="analytic",
         why="every loss is computed from its own force and speed, none is the remainder",
     ),
-    "implement force over D497": Words(
+    "implement force over D497": PloughingBasis(
         source="ASABE D497: F (A + C S**2) W T", grade="assumed",
         why="one equation by two ways; A and C are from memory, only F was seen in print",
     ),
-    "speed predicted from the other depths": Words(
+    "speed predicted from the other depths": PloughingBasis(
         source="Fu et al., INMATEH 77-13", grade="measured", layer="prediction",
         why="scatter of the published speeds about any smooth law, 1.6 %, at two and a half sd",
         note="the throttle is set by the other three depths; cone index, draft scale and gear were "
@@ -100,7 +100,7 @@ def ploughing(jobs: int, quick: bool) -> dict[str, list[Check]]:
     return out
 
 
-def _made(row: Row, words: Words) -> Check:
+def _made(row: Row, words: PloughingBasis) -> Check:
     return Check(row={**row, "case": f"ploughing, {row['case']}"}, basis=words)
 
 

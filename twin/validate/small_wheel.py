@@ -32,8 +32,8 @@ SOURCE = "C. Pavlov, robomechanics/3d-terramechanics, commit 55a6e92: r 58 mm, b
 
 
 @dataclass(frozen=True, kw_only=True)
-class Measured:
-    """Means of three tests each; (smooth wheel, wheel with grousers)."""
+class SandTest:
+    """Means of three sand tests for each of two wheels: (smooth, with grousers)."""
 
     rim_over_path: float
     load_n: tuple[float, float]
@@ -42,11 +42,11 @@ class Measured:
     sinkage_mm: tuple[float, float]
 
 
-def _measured(*numbers: float) -> Measured:
+def _measured(*numbers: float) -> SandTest:
     rim_over_path, *pairs = numbers
     smooth, grousers = pairs[:3], pairs[3:]
     load, force, sinkage = zip(smooth, grousers, strict=True)
-    return Measured(rim_over_path=rim_over_path, load_n=load, force_n=force, sinkage_mm=sinkage)
+    return SandTest(rim_over_path=rim_over_path, load_n=load, force_n=force, sinkage_mm=sinkage)
 
 
 SIDEWAYS = {
@@ -102,7 +102,7 @@ def side_force_kept(soil: Soil = SAND) -> dict[tuple[int, float], tuple[float, f
     return found
 
 
-def run(soil: Soil, tests: tuple[Measured, ...], angle_deg: float = 0.0) -> WheelCurve:
+def run(soil: Soil, tests: tuple[SandTest, ...], angle_deg: float = 0.0) -> WheelCurve:
     """The tests on the virtual rig, at the mean loads of both wheels."""
     angle = math.radians(angle_deg)
     rim, ahead = np.array([test.rim_over_path for test in tests]), math.cos(angle)

@@ -2,6 +2,8 @@
 
 The rules keep the proportions of a 103 kW tractor of 5260 kg on 18.4-38 tyres with a wheelbase of
 2.55 m; the sources of its numbers are in models/taishan_1404a/README.md.
+
+The module is longer than 300 lines because it is a list of rules, in the order of their dependence.
 """
 
 from __future__ import annotations

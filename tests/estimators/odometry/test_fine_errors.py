@@ -95,3 +95,7 @@ def test_what_rolls_slowly_is_bias():
     for k in range(2000, 2005):
         quick = integrate(quick, 20_000_000 * k, np.array([0.1, 0.0, 0.0]))
     assert quick.slow_radps[0] < 0.1 * 0.1 / SLOW_S + 2e-3
+    dropped = gyros
+    for k in range(2000, 2050):  # by 0.15 rad in a second, to stay so
+        dropped = integrate(dropped, 20_000_000 * k, np.array([0.15, 0.0, 0.0]))
+    assert SLOW_S * (dropped.slow_radps[0] - 1e-3) < 0.04 * 0.15  # what would be undone of it

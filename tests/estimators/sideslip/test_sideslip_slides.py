@@ -166,6 +166,16 @@ def test_frames_that_are_missing_for_a_while_are_got_over():
     assert told == pytest.approx(cg_m, rel=0.03)
 
 
+def test_innovations_are_as_large_as_their_variances_say():
+    """The first of each, before a heading and a speed are known, is left out."""
+    streams, *_ = slides(blind=True)
+    found = SideslipEkf().innovations(SETUP, streams)
+    assert set(found["sensor"]) == {"gnss"}
+    assert len(found["epoch_ns"]) > 2.9 * len(streams["gnss"]["epoch_ns"]) - 10
+    square = found["innovation"] ** 2 / found["variance"]
+    assert 0.8 < np.mean(square[100:]) < 1.2
+
+
 def test_chunks_of_a_camera_stream_change_no_bit():
     streams, *_ = slides()
     part = streams.samples(0, 900)

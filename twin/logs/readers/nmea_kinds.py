@@ -36,8 +36,8 @@ NO_HEADING = 65535.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Told:
-    """What the fields of a sentence say."""
+class SentenceValues:
+    """Values read from the fields of one NMEA sentence."""
 
     values: Mapping[str, float] = field(default_factory=dict)
     rank: float = 1.0
@@ -56,46 +56,50 @@ def layout(kind: str) -> tuple[str, ...]:
     return OWN_LAYOUTS.get(kind) or tuple(NMEA_PAYLOADS_GET[kind])
 
 
-def _gga(f: Fields) -> Told:
+def _gga(f: Fields) -> SentenceValues:
     f.need(9)
     quality = f.number("quality")
     values = {"quality": quality, "satellites": f.number("numSV")}
     rank = 3.0 + _GOOD.get(int(quality) if quality == quality else 0, 0.0)
     if not quality > 0:
-        return Told(values=values, rank=rank)
+        return SentenceValues(values=values, rank=rank)
     place, digits = f.place()
-    return Told(values={**values, **place, "height_m": f.number("alt")}, rank=rank, digits=digits)
+    return SentenceValues(
+        values={**values, **place, "height_m": f.number("alt")}, rank=rank, digits=digits
+    )
 
 
-def _gns(f: Fields) -> Told:
+def _gns(f: Fields) -> SentenceValues:
     f.need(9)
     modes = [_GNS_QUALITY[m] for m in f["posMode"] if m in _GNS_QUALITY]
     quality = max(modes, key=lambda q: _GOOD[q], default=0)
     values = {"quality": float(quality), "satellites": f.number("numSV")}
     rank = 2.5 + _GOOD.get(quality, 0.0)
     if not quality:
-        return Told(values=values, rank=rank)
+        return SentenceValues(values=values, rank=rank)
     place, digits = f.place()
-    return Told(values={**values, **place, "height_m": f.number("alt")}, rank=rank, digits=digits)
+    return SentenceValues(
+        values={**values, **place, "height_m": f.number("alt")}, rank=rank, digits=digits
+    )
 
 
-def _rmc(f: Fields) -> Told:
+def _rmc(f: Fields) -> SentenceValues:
     f.need(9)
     if f["status"] != "A" or f["posMode"] == "N":
-        return Told(void=True)
+        return SentenceValues(void=True)
     place, digits = f.place()
     values = {**place, "speed_mps": f.number("spd") * _KNOT, "course_deg": f.number("cog")}
-    return Told(values=values, date=date_of(f["date"]), digits=digits)
+    return SentenceValues(values=values, date=date_of(f["date"]), digits=digits)
 
 
-def _vtg(f: Fields) -> Told:
+def _vtg(f: Fields) -> SentenceValues:
     """VTG by its unit letters T, M, N, K, wherever they stand; km/h, which are finer, first.
 
     Where all letters are blank, or in the four fields of NMEA 0183 before 2.0, the order counts.
     """
     f.need(4)
     if f.payload[8:] and f.payload[8].strip() == "N":
-        return Told(void=True)
+        return SentenceValues(void=True)
     if len(f.payload) < 8 or not any(letter.strip() for letter in f.payload[1:8:2]):
         numbers = f.payload[:4] if len(f.payload) < 8 else f.payload[0:8:2]
         course, _, knots, kmh = (number_of(number.strip()) for number in numbers)
@@ -109,81 +113,85 @@ def _vtg(f: Fields) -> Told:
     return _velocity(by_letter["T"], by_letter.get("N", math.nan), by_letter.get("K", math.nan))
 
 
-def _velocity(course_deg: float, knots: float, kmh: float) -> Told:
+def _velocity(course_deg: float, knots: float, kmh: float) -> SentenceValues:
     speed_mps = knots * _KNOT if math.isnan(kmh) else kmh * _KMH
-    return Told(values={"course_deg": course_deg, "speed_mps": speed_mps}, rank=2.0)
+    return SentenceValues(values={"course_deg": course_deg, "speed_mps": speed_mps}, rank=2.0)
 
 
-def _gll(f: Fields) -> Told:
+def _gll(f: Fields) -> SentenceValues:
     f.need(5)
     if f["status"] == "V" or f["posMode"] == "N":
-        return Told(void=True)
+        return SentenceValues(void=True)
     place, digits = f.place()
-    return Told(values=place, digits=digits)
+    return SentenceValues(values=place, digits=digits)
 
 
-def _zda(f: Fields) -> Told:
+def _zda(f: Fields) -> SentenceValues:
     year, month, day = (f.number(name) for name in ("year", "month", "day"))
     if not 2000 <= year < 2080:
-        return Told()
-    return Told(date=datetime.date(int(year), int(month), int(day)))
+        return SentenceValues()
+    return SentenceValues(date=datetime.date(int(year), int(month), int(day)))
 
 
-def _tra(f: Fields) -> Told:
+def _tra(f: Fields) -> SentenceValues:
     """TRA and HPR of Unicore and others: heading of two antennas."""
     solved = f.number("quality") > 0
-    return Told(values={"heading_deg": f.number("heading")} if solved else {}, rank=1.5)
+    return SentenceValues(values={"heading_deg": f.number("heading")} if solved else {}, rank=1.5)
 
 
-def _avr(f: Fields) -> Told:
+def _avr(f: Fields) -> SentenceValues:
     """PTNL,AVR of Trimble: yaw of two antennas."""
     solved = f.number("gpsQual") > 0
-    return Told(values={"heading_deg": f.number("yaw")} if solved else {}, rank=1.5)
+    return SentenceValues(values={"heading_deg": f.number("yaw")} if solved else {}, rank=1.5)
 
 
-def _hdt(f: Fields) -> Told:
-    return Told(values={"heading_deg": f.number("headingT")})
+def _hdt(f: Fields) -> SentenceValues:
+    return SentenceValues(values={"heading_deg": f.number("headingT")})
 
 
-def _ths(f: Fields) -> Told:
-    return Told() if f["mi"] == "V" else Told(values={"heading_deg": f.number("headt")})
+def _ths(f: Fields) -> SentenceValues:
+    return (
+        SentenceValues()
+        if f["mi"] == "V"
+        else SentenceValues(values={"heading_deg": f.number("headt")})
+    )
 
 
-def _pashr(f: Fields) -> Told:
+def _pashr(f: Fields) -> SentenceValues:
     another = not f["utctime"][:1].isdigit()  # of Ashtech's sentences
     if another or f.number("gnssQual") == 0:
-        return Told()
-    return Told(values={"heading_deg": f.number("trueHdg")}, rank=1.5)
+        return SentenceValues()
+    return SentenceValues(values={"heading_deg": f.number("trueHdg")}, rank=1.5)
 
 
-def _board(f: Fields, degrees: float) -> Told:
+def _board(f: Fields, degrees: float) -> SentenceValues:
     f.need(12)
     if not f.number("quality") > 0:
-        return Told(void=True)
+        return SentenceValues(void=True)
     fix, heading = _gga(f), f.number("heading")
     values = {**fix.values, "speed_mps": f.number("spd") * _KNOT}
     if heading != NO_HEADING:
         values["heading_deg"] = heading * degrees
-    return Told(values=values, rank=2.0, digits=fix.digits)
+    return SentenceValues(values=values, rank=2.0, digits=fix.digits)
 
 
-def _panda(f: Fields) -> Told:
+def _panda(f: Fields) -> SentenceValues:
     """Heading of the board's IMU in tenths of a degree."""
     return _board(f, 0.1)
 
 
-def _paogi(f: Fields) -> Told:
+def _paogi(f: Fields) -> SentenceValues:
     """Heading of two antennas in degrees."""
     return _board(f, 1.0)
 
 
-def _ksxt(f: Fields) -> Told:
+def _ksxt(f: Fields) -> SentenceValues:
     f.need(13)
     stamp, quality = f["stamp"], f.number("quality")
     day_ms = time_of_day_ms(stamp[8:])
     date = datetime.date(int(stamp[:4]), int(stamp[4:6]), int(stamp[6:8]))
     if not quality > 0:
-        return Told(day_ms=day_ms, date=date, void=True)
+        return SentenceValues(day_ms=day_ms, date=date, void=True)
     values = {
         "latitude_deg": f.number("lat"), "longitude_deg": f.number("lon"),
         "height_m": f.number("alt"), "course_deg": f.number("track"),
@@ -192,10 +200,10 @@ def _ksxt(f: Fields) -> Told:
     }  # fmt: skip
     if f.number("headQuality") > 0:
         values["heading_deg"] = f.number("heading")
-    return Told(values=values, rank=2.0, digits=9, date=date, day_ms=day_ms)
+    return SentenceValues(values=values, rank=2.0, digits=9, date=date, day_ms=day_ms)
 
 
-READERS: dict[str, Callable[[Fields], Told]] = {
+READERS: dict[str, Callable[[Fields], SentenceValues]] = {
     "GGA": _gga, "GNS": _gns, "RMC": _rmc, "VTG": _vtg, "HDT": _hdt, "THS": _ths,
     "PASHR": _pashr, "PANDA": _panda, "PAOGI": _paogi, "KSXT": _ksxt, "GLL": _gll, "ZDA": _zda,
     "TRA": _tra, "HPR": _tra, "PTNLAVR": _avr,
