@@ -1,4 +1,8 @@
-"""Tractors that plough in one Batch, each on a soil and with a draft pattern of its own."""
+"""Tractors that plough in one Batch, each on a soil and with a draft pattern of its own.
+
+The module is longer than 300 lines because `Fleet` sets soil, draft, course and start of a tractor
+in the same Batch.
+"""
 
 from __future__ import annotations
 

@@ -11,7 +11,8 @@ Wong 2008, Theory of Ground Vehicles, chapter 2, for all of these. Lyasko 2010, 
 47(1):21 for slip sinkage; Ishigami, Nagatani & Yoshida 2007, J. Field Robotics 24(3):233 for the
 side force as shear and bulldozing.
 
-One module, because all integrals over the arc use the same stresses and the same kind of rule.
+The module is longer than 300 lines because all integrals over the contact arc use the same stresses
+and the same quadrature rule.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 """The parameter block of a compiled model, and the slot table by which the callback reports.
 
-The block is the last <numeric> of the model. It carries everything the laws need, so a compiled
-model says all about itself, and a Batch can vary it (`Batch.expand("numeric_data")`).
-The slots are `mjData.userdata`, written at every forward pass: they describe the state it started
-from.
+The block is the last <numeric> of the model. The block holds every number that the laws need, so a
+compiled model is complete, and a Batch can vary the block (`Batch.expand("numeric_data")`).
+The slots are `mjData.userdata`. Every forward pass writes the slots from the state at its start.
+
+The module is longer than 300 lines because each number of the block has a line with its unit.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
-"""How well an estimator predicts a log: GNSS is hidden at regular places and scored at their ends.
+"""Errors of an estimator on a log after times without GNSS.
 
-A log of a user has no truth. It has the receiver's speed, which an estimator can be kept from
-seeing. Pure functions on tables and streams.
+A log of a user has no truth. The speed of the GNSS receiver replaces the truth: the GNSS samples of
+regular time intervals are removed ("hidden") before the estimator runs, and the estimate at the end
+of each interval is compared with the speed of the receiver. Pure functions on tables and streams.
 """
 
 from __future__ import annotations
@@ -36,31 +37,42 @@ DEFAULT_SD_MPS = 0.05
 
 @dataclass(frozen=True)
 class Score:
-    """Errors of an estimator's speed after `hidden_s` without GNSS, against the receiver's."""
+    """Errors of speed and slip of an estimator after `hidden_s` seconds without GNSS."""
 
     estimator: str
     hidden_s: float
     n: int
     """Number of hidden times at whose ends the machine drives."""
     speed_rms_mps: float | None
-    """Root mean square of the speed's error [m/s]; None where the estimator is silent."""
+    """Root mean square of the speed error [m/s]; None if an estimate is missing."""
     slip_rms: float | None
-    """The same of the slip that the receiver's speed and the estimated wheel speed make."""
+    """Root mean square of the slip error [-]; the reference slip uses the receiver's speed."""
     in_2sd: float | None
-    """Share of these slip errors within twice their sd, with the receiver's own noise in it."""
+    """Share of the slip errors within 2 sd [-]; the sd includes the noise of the receiver."""
     phases: Mapping[str, Mapping[str, float | int | None]] = field(default_factory=dict)
-    """The last four by what was driven at those ends: work, turn, road."""
+    """Phase (work, turn or road) -> `n`, `speed_rms_mps`, `slip_rms` and `in_2sd` in the phase."""
 
 
 def period_s(hidden_s: float) -> float:
-    """From the start of one hidden time to the start of the next [s]."""
+    """Time from the start of a hidden interval to the start of the next [s].
+
+    period = hidden_s + min(4 hidden_s, 20 s + hidden_s)
+
+    Args:
+        hidden_s: length of a hidden interval [s].
+    """
     return hidden_s + min(SEEN_TIMES * hidden_s, MOST_SEEN_S + hidden_s)
 
 
 def passes(setup: Setup, streams: Streams, hidden_s: float) -> Iterator[NDArray[np.int64]]:
-    """For each pass over a log, when its hidden times start [ns].
+    """Start epochs of the hidden intervals [ns], one array of shape (k,) for each pass.
 
-    start = first GNSS sample + 30 s + (k + pass / passes) period
+    start = first GNSS sample + 30 s + (i + pass / passes) period,   i = 0, 1, ...
+
+    Args:
+        setup: set-up of the sensors, for the mounting angle of the GNSS heading.
+        streams: streams of the log.
+        hidden_s: length of a hidden interval [s].
     """
     seen = streams["gnss"]["epoch_ns"][np.isfinite(speeds(setup, streams))]
     if not len(seen):
@@ -76,7 +88,13 @@ def passes(setup: Setup, streams: Streams, hidden_s: float) -> Iterator[NDArray[
 
 
 def without_gnss(streams: Streams, start_ns: NDArray[np.int64], hidden_s: float) -> Streams:
-    """The streams without the samples of GNSS in (start, start + hidden_s], for each start."""
+    """Streams without the GNSS samples in (start, start + hidden_s] of each start.
+
+    Args:
+        streams: streams of the log.
+        start_ns: start epochs of the hidden intervals [ns], ascending. Shape (k,).
+        hidden_s: length of a hidden interval [s].
+    """
     inside = place_of(streams["gnss"]["epoch_ns"], start_ns, hidden_s) >= 0
     seen = {name: column[~inside] for name, column in streams["gnss"].items()}
     return Streams({**streams.tables, "gnss": seen}, streams.frames)
@@ -85,16 +103,26 @@ def without_gnss(streams: Streams, start_ns: NDArray[np.int64], hidden_s: float)
 def place_of(
     epoch_ns: NDArray[np.int64], start_ns: NDArray[np.int64], hidden_s: float
 ) -> NDArray[np.int64]:
-    """Number of the hidden time that each epoch is in, -1 for none."""
+    """Index of the hidden interval that contains each epoch; -1 outside all. Shape (n,).
+
+    Args:
+        epoch_ns: epochs [ns]. Shape (n,).
+        start_ns: start epochs of the hidden intervals [ns], ascending. Shape (k,).
+        hidden_s: length of a hidden interval [s].
+    """
     place = np.searchsorted(start_ns, epoch_ns, side="left") - 1
     since = epoch_ns - start_ns[np.maximum(place, 0)]
     return np.where((place >= 0) & (since <= round(hidden_s * 1e9)), place, -1)
 
 
 def speeds(setup: Setup, streams: Streams) -> Array:
-    """The receiver's speed at each of its samples [m/s]; NaN without a fix.
+    """Speed of the GNSS receiver at each GNSS sample [m/s]; NaN without a fix. Shape (n,).
 
-    v = v_east cos h + v_north sin h   with a heading h,   hypot(v_east, v_north)   without
+    v = v_east cos h + v_north sin h   if the sample has a heading
+    v = hypot(v_east, v_north)         otherwise
+
+    v_east, v_north: velocity in the east-north frame [m/s]. h: heading of the machine from east,
+    positive to the left [rad], which is the GNSS heading less the mounting angle of `setup`.
     """
     east, north, heading, quality = (
         streams.column("gnss", name).astype(np.float64)
@@ -109,10 +137,17 @@ def speeds(setup: Setup, streams: Streams) -> Array:
 def ends(
     setup: Setup, streams: Streams, table: Table, start_ns: NDArray[np.int64], hidden_s: float
 ) -> tuple[list[int], list[bool]]:
-    """Rows of `gnss` at the ends of the hidden times, and whether the estimator spoke in each.
+    """Rows of `gnss` at the ends of the hidden intervals, and whether each has an estimate.
 
-    The last sample of the receiver that is no newer than the last estimate in the hidden time; a
-    place at whose end the machine does not drive has none.
+    The row of an interval is the last GNSS sample that is not newer than the last estimate in the
+    interval. An interval has no row if the machine is slower than 0.5 m/s at this sample.
+
+    Args:
+        setup: set-up of the sensors.
+        streams: streams of the log, with all GNSS samples.
+        table: estimates; only `epoch_ns` [ns] is used.
+        start_ns: start epochs of the hidden intervals [ns], ascending. Shape (k,).
+        hidden_s: length of a hidden interval [s].
     """
     gnss, epoch_ns = streams["gnss"]["epoch_ns"], table["epoch_ns"]
     measured = speeds(setup, streams)
@@ -133,22 +168,31 @@ def ends(
 def errors(
     setup: Setup, streams: Streams, table: Table, start_ns: NDArray[np.int64], hidden_s: float
 ) -> Errors:
-    """How far an estimator is off at the ends of the hidden times.
+    """Errors of an estimator at the ends of the hidden intervals, three arrays of shape (m,).
+
+    The arrays are speed error v - v_gnss [m/s], slip error [-] and slip error^2 / variance [-].
 
     slip error = (w - v) / max(|w|, |v|) - (w - v_gnss) / max(|w|, |v_gnss|)
     variance   = slip_sd^2 + (sd_gnss max(|w|, |v|) / max(|w|, |v_gnss|)^2)^2
 
-    v, w: estimated speeds of ground and driven wheels. Of each hidden time the last sample of the
-    receiver is taken that is no newer than the last estimate in it. NaN where the estimator says
-    nothing in it: rows from before or after it predict nothing. Places at whose ends the machine
-    does not drive are left out.
+    v, w: estimated speeds of the machine over ground and of the driven wheels [m/s]. v_gnss: speed
+    of the GNSS receiver [m/s], sd_gnss: standard deviation of v_gnss [m/s]. slip_sd: standard
+    deviation of the slip that the estimator reports [-]. `ends` chooses the samples. The errors of
+    an interval are NaN if the interval has no estimate.
+
+    Args:
+        setup: set-up of the sensors.
+        streams: streams of the log, with all GNSS samples.
+        table: estimates that were made without the hidden GNSS samples.
+        start_ns: start epochs of the hidden intervals [ns], ascending. Shape (k,).
+        hidden_s: length of a hidden interval [s].
     """
     gnss = streams["gnss"]["epoch_ns"]
     measured = speeds(setup, streams)
     rows, spoken = ends(setup, streams, table, start_ns, hidden_s)
     sd = streams.column("gnss", "velocity_sd_mps").astype(np.float64)
-    told = setup.gnss.velocity_sd_mps if setup.gnss else DEFAULT_SD_MPS
-    sd = np.where(sd > 0.0, sd, told)
+    stated = setup.gnss.velocity_sd_mps if setup.gnss else DEFAULT_SD_MPS
+    sd = np.where(sd > 0.0, sd, stated)
     true, noise, when = measured[rows], sd[rows], gnss[rows]
     v, w, slip_sd = (
         np.where(spoken, _at(table, name, when), np.nan)
@@ -182,10 +226,10 @@ def summed_up(
     """The score of an estimator over the errors of all passes.
 
     Args:
-        estimator: its name.
-        hidden_s: how long GNSS was hidden [s].
-        of_passes: its errors in each pass.
-        phase_of_passes: what was driven at each of these ends, where it is known.
+        estimator: name of the estimator.
+        hidden_s: length of a hidden interval [s].
+        of_passes: result of `errors` for each pass.
+        phase_of_passes: phase code of each error of each pass; None if the phases are unknown.
     """
     speed, slip, squared = (np.concatenate(part) for part in zip(*of_passes, strict=True))
     by_phase = {}

@@ -25,7 +25,7 @@ LOWERED_SHARE, LOWERED_M = 0.5, 0.03
 
 @dataclass(frozen=True)
 class Phases:
-    """What was driven when."""
+    """Phases of a drive: a phase code from each epoch on."""
 
     epoch_ns: NDArray[np.int64]
     """Shape (n,), ascending."""
@@ -35,16 +35,20 @@ class Phases:
     """The rule that found the phases, in words."""
 
     def at(self, epoch_ns: NDArray[np.int64]) -> NDArray[np.int64]:
-        """The phase at other epochs; before the first it is the first's."""
+        """Phase codes at the epochs `epoch_ns` [ns]; before the first row, the first code."""
         before = np.searchsorted(self.epoch_ns, epoch_ns, side="right") - 1
         return np.asarray(self.code[np.maximum(before, 0)])
 
 
 def phases(truth: Table) -> Phases | None:
-    """The driver's own phases where the truth has them, else by a rule; None without a speed.
+    """Phases from the column `phase` of the truth, else from a rule; None without a speed.
 
-    Work: deeper than half of the greatest depth, and than 3 cm. Turn: a curve narrower than 25 m,
-    |yaw rate| 25 m > |v|, not at work. Stop: slower than 0.3 m/s. All else is road.
+    Stop: speed below 0.3 m/s. Work: depth greater than 3 cm and than half of the greatest depth.
+    Turn: no work, and a curve radius below 25 m, that is |yaw rate| 25 m > |v|. Road: all else.
+
+    Args:
+        truth: table with `epoch_ns` [ns] and, if known, `phase`, `speed_mps` (v [m/s]), `depth_m`
+            [m] and `yaw_rate_radps` [rad/s].
     """
     if not len(truth["epoch_ns"]):
         return None
@@ -69,7 +73,7 @@ def phases(truth: Table) -> Phases | None:
 
 
 def speed_mps(truth: Table) -> Array:
-    """The faster of ground and driven wheels [m/s]; NaN where neither is known. Shape (n,)."""
+    """Greater of |ground speed| and |wheel speed| [m/s]; NaN if both are unknown. Shape (n,)."""
     unknown = np.full(len(truth["epoch_ns"]), np.nan)
     both = (np.abs(truth.get(name, unknown)) for name in ("speed_mps", "wheel_speed_mps"))
     fastest: Array = np.fmax(*both)

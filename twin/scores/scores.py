@@ -44,11 +44,14 @@ def seconds(table: Table) -> Array:
 
 
 def window_s(truth: Table, *, settle_s: float = SETTLE_S) -> tuple[float, float]:
-    """From 5 m after the plough is at full depth to the end; without a plough from `settle_s`.
+    """First and last time that are scored [s], on the clock of `epoch_ns`.
+
+    The window starts 5 m after the plough is at full depth, or `settle_s` after the first row if
+    the machine does not plough. The window ends at the last row.
 
     Args:
-        truth: with epoch_ns, speed_mps and, where it ploughs, `ploughing`: true from full
-            depth on.
+        truth: table with `epoch_ns` [ns], `speed_mps` [m/s] and, if the machine ploughs,
+            `ploughing`, which is true from the time of full depth.
         settle_s: time left out at the start of a run that does not plough [s].
     """
     time = seconds(truth)
@@ -60,10 +63,10 @@ def window_s(truth: Table, *, settle_s: float = SETTLE_S) -> tuple[float, float]
 
 
 def scored_window_s(truth: Table, scenario: Thing) -> tuple[float, float]:
-    """`window_s`, or all of a short run.
+    """First and last time that are scored in a run of a scenario [s].
 
-    On a platform the run is short and its totals count from its start; signals without a machine
-    have no standstill to start from.
+    `window_s` gives the window. The time left out at the start, `settle_s`, is zero if the scenario
+    drives on a platform, or has signals but no machine.
     """
     course = getattr(scenario, "course", None)
     short = course is None or course.edge_m is not None
@@ -71,7 +74,7 @@ def scored_window_s(truth: Table, scenario: Thing) -> tuple[float, float]:
 
 
 def why_unscored(truth: Table, scenario: Thing, end: End | None) -> str | None:
-    """Why a run that ended early leaves nothing to score; None where there is enough."""
+    """Reason why a run that ended early has too little to score; None if a score is possible."""
     if end is None or not end.early:
         return None
     ploughs = getattr(scenario, "plough", None) is not None
@@ -99,7 +102,7 @@ def _start_of_ploughing_s(truth: Table, time: Array) -> float | None:
 
 
 def moving(table: Table) -> Table:
-    """The table without slip where it hardly moves: a ratio of two noises says nothing."""
+    """Table with NaN as slip in the rows with a low speed, where noise dominates the slip."""
     if "slip" not in table or "speed_mps" not in table:
         return table
     with np.errstate(invalid="ignore"):
@@ -123,15 +126,15 @@ def score(
     window: tuple[float, float] | None = None,
     driven: Phases | None = None,
 ) -> Scores:
-    """Scores of all estimators, as written to scores.json.
+    """Scores of all estimators, in the form of scores.json.
 
     Args:
-        truth: truth of a simulation, reference of a log, or None (then nothing is scored).
-        estimates: estimator name -> estimates.
-        scenario: its name.
-        seed: its seed; None for a log.
-        window: first and last epoch that count [s]; by default that of `window_s`.
-        driven: what was driven when; by default that of `phases`.
+        truth: truth of a simulation, or reference of a log; None gives empty scores.
+        estimates: estimator name -> table of estimates.
+        scenario: name of the scenario.
+        seed: random seed of the scenario; None for a log.
+        window: first and last time that are scored [s]; default: result of `window_s`.
+        driven: phases of the drive; default: result of `phases`.
     """
     head = {"scenario": scenario, "seed": seed}
     if not truth or len(truth["epoch_ns"]) == 0:
@@ -148,7 +151,12 @@ def score(
 
 
 def truth_summary(truth: Table, window: tuple[float, float]) -> dict[str, float | None]:
-    """What was driven inside the window: means, spreads and totals; None where it has none."""
+    """Means, standard deviations and totals of the truth in the window; None if unknown.
+
+    Args:
+        truth: truth of the run.
+        window: first and last time [s].
+    """
     part = _cut(truth, window)
     speed_mps, slip, draft_n, depth_m = (
         _finite(part.get(c)) for c in ("speed_mps", "slip", "draft_n", "depth_m")
@@ -182,10 +190,16 @@ AT_REST_TOO = ("speed_mps",)
 def estimator_scores(
     truth: Table, estimates: Table, window: tuple[float, float], driven: Phases | None = None
 ) -> dict[str, Scores]:
-    """Errors of slip, sideslip angles and speed while driving, and of the sideslip totals.
+    """Errors of slip, sideslip angles, speed and the sideslip totals of one estimator.
 
-    `phases` has the same by phase, where more is known than whether it drives. `n_slow` counts the
-    samples that are left out because ground and wheels are slower than 0.3 m/s.
+    The key `phases` holds the errors of each phase, if the phases are known. `n_slow` is the number
+    of samples left out because machine and wheels are slower than 0.3 m/s.
+
+    Args:
+        truth: truth of the run.
+        estimates: table of the estimator.
+        window: first and last time that are scored [s].
+        driven: phases of the drive; None if unknown.
     """
     part = _cut(estimates, window)
     epoch_ns = part["epoch_ns"]
@@ -209,7 +223,7 @@ def estimator_scores(
 
 
 def is_slow(truth: Table, epoch_ns: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Where ground and driven wheels are slower than 0.3 m/s. Shape (n,)."""
+    """True at epochs [ns] where machine and wheels are slower than 0.3 m/s. Shape (n,)."""
     return at({**truth, "fastest": speed_mps(truth)}, "fastest", epoch_ns) < DRIVING_MPS
 
 
@@ -218,9 +232,15 @@ def _of(chosen: NDArray[np.bool_], error: Array, sd: Array | None) -> Scores:
 
 
 def errors(truth: Table, estimates: Table, column: str) -> Array:
-    """Estimate less truth at the estimates' epochs; of an angle in [-pi, pi). Shape (n,).
+    """Estimate minus truth of a column, at the epochs of the estimates. Shape (n,).
 
-    Angles are near 180 degrees in reverse, on either side of it.
+    The error of an angle is wrapped to [-pi, pi) rad, because sideslip angles are near +pi or -pi
+    when the machine drives in reverse.
+
+    Args:
+        truth: truth of the run.
+        estimates: table of the estimator.
+        column: name of the column in both tables.
     """
     if not column.endswith("_rad"):
         return np.asarray(estimates[column] - at(truth, column, estimates["epoch_ns"]))
@@ -233,7 +253,10 @@ def errors(truth: Table, estimates: Table, column: str) -> Array:
 
 
 def at(table: Table, column: str, epoch_ns: NDArray[np.int64]) -> Array:
-    """A column at other epochs, linear between rows; NaN outside the table and beside a NaN."""
+    """Values of a column at the epochs `epoch_ns` [ns], by linear interpolation. Shape (n,).
+
+    The value is NaN outside the table and where a neighbouring row is NaN.
+    """
     start = table["epoch_ns"][0]
     own = (table["epoch_ns"] - start).astype(np.float64)  # exact: below 2**53 ns = 104 days
     values: Array = np.interp(
@@ -247,7 +270,7 @@ def at(table: Table, column: str, epoch_ns: NDArray[np.int64]) -> Array:
 
 
 def error_scores(error: Array, sd: Array | None = None) -> Scores:
-    """Size of an error, and whether the reported standard deviation agrees with it.
+    """Statistics of an error e, and its consistency with the reported standard deviation sd.
 
         rmse = sqrt(mean e**2)   mae = mean |e|   max = max |e|   bias = mean e
         p999 = 0.999 quantile of |e|
@@ -287,9 +310,11 @@ def _consistency(error: Array, sd: Array) -> dict[str, float | None]:
 
 
 def total_scores(truth: Table, estimates: Table, column: str) -> dict[str, float | None]:
-    """A running total's change over the window, true and estimated between the same epochs.
+    """Change of a running total [m] in the window: true, estimated, and relative error.
 
-    rel_err = |est_m - true_m| / |true_m|, None where |true_m| < 0.05 m.
+    rel_err = |est_m - true_m| / |true_m|, None if |true_m| < 0.05 m.
+
+    est_m, true_m: last less first value [m], both between the same two epochs.
     """
     true = at(truth, column, estimates["epoch_ns"])
     rows = np.flatnonzero(np.isfinite(true) & np.isfinite(estimates[column]))
