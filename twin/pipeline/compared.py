@@ -1,4 +1,4 @@
-"""Two drives beside each other: two runs, or a log and a simulation of the same job."""
+"""Comparison of two drives: two runs, or a log and a simulation of the same job."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Quantity = tuple[str, str, Callable[[Drive], float | None]]
 
 @dataclass(frozen=True)
 class Row:
-    """One quantity of both; None where one does not know it."""
+    """One quantity of drives A and B; the value of a drive is None if unknown."""
 
     quantity: str
     unit: str
@@ -30,7 +30,7 @@ class Row:
 
     @property
     def difference(self) -> float | None:
-        """B less A."""
+        """Value of drive B minus value of drive A, in the unit of the row."""
         return None if self.a is None or self.b is None else self.b - self.a
 
 
@@ -48,7 +48,7 @@ class Compared:
     notes: tuple[str, ...]
 
     def plain(self) -> dict[str, Plain]:
-        """The same as plain values, for --json."""
+        """Comparison as plain JSON values, for the option --json."""
         return {
             "schema": 1,
             **{key: _about(drive) for key, drive in (("a", self.a), ("b", self.b))},
@@ -64,11 +64,11 @@ class Compared:
 
 
 def compared(first: Path, second: Path) -> Compared:
-    """Read two run folders and compare them.
+    """Comparison of the drives in two run folders.
 
     Raises:
-        BadInput: a folder is none of a run or a log, both are the same, or they have nothing in
-            common; says which.
+        BadInput: a folder is not the folder of a run or a log, both folders are the same, or the
+            drives have no quantity in common.
     """
     if first.resolve() == second.resolve():
         raise BadInput(f"{first} and {second} are the same folder; name two")

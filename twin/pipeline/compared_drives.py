@@ -29,7 +29,7 @@ FROM_TRUTH = {
 
 @dataclass(frozen=True, kw_only=True)
 class Drive:
-    """One of the two, in rows of a second."""
+    """One of the two drives, as a table with one row for each second."""
 
     folder: Path
     record: Record
@@ -47,7 +47,7 @@ class Drive:
         return "recorded" if self.record.scenario is None else "simulated"
 
     def values(self, column: str) -> Array:
-        """The known values of a column in the rows that are compared."""
+        """Finite values of a column in the rows that are compared."""
         if column not in self.rows:
             return np.empty(0)
         values = self.rows[column][self.chosen]
@@ -55,7 +55,11 @@ class Drive:
 
 
 def read(folder: Path) -> Record:
-    """The folder of a run or of a log. Raises BadInput that names it where it is none."""
+    """Record of a run or of a log, read from its folder.
+
+    Raises:
+        BadInput: the folder is missing, is no folder of a run or a log, or has no measurements.
+    """
     if not folder.exists():
         raise BadInput(f"{folder} does not exist; name the folder of a run or of a log")
     if not (folder / run_folder.SCORES).is_file():
@@ -70,7 +74,11 @@ def read(folder: Path) -> Record:
 
 
 def slips(a: Record, b: Record) -> tuple[str, str]:
-    """The first estimator that gives a slip in both; else the truth, or the first of each drive."""
+    """Source of the slip of each drive: the name of an estimator, or TRUTH.
+
+    Both drives use the first estimator that gives a slip in both. Without such an estimator, each
+    drive uses its true slip if known, else its own first estimator with a slip, else "".
+    """
     own = [_giving(record) for record in (a, b)]
     common = [name for name in own[0] if name in own[1]]
     if common:
@@ -91,7 +99,12 @@ def _has_truth(record: Record) -> bool:
 
 
 def drive_of(folder: Path, record: Record, slip_of: str) -> Drive:
-    """A folder's drive in rows of a second, with an estimator's slip or the true one.
+    """Drive of a folder, as a table with one row for each second.
+
+    Args:
+        folder: run folder, for the message of an error.
+        record: content of the folder.
+        slip_of: name of the estimator that gives the slip, or TRUTH for the true slip.
 
     Raises:
         BadInput: the folder has no measurements.
@@ -101,19 +114,22 @@ def drive_of(folder: Path, record: Record, slip_of: str) -> Drive:
     rows = timeline(record.streams, estimate)
     if not len(rows["epoch_ns"]):
         raise BadInput(f"{folder} holds no measurements")
-    told = (
+    known = (
         {} if not truth else {c: n for c, n in FROM_TRUTH.items() if c not in rows and n in truth}
     )
-    rows |= {column: at(truth, name, rows["epoch_ns"]) for column, name in told.items()}
+    rows |= {column: at(truth, name, rows["epoch_ns"]) for column, name in known.items()}
     done = activity(rows, protocol_spans_ns(record.scores or {}))
     return Drive(
-        folder=folder, record=record, rows=rows, done=done, from_truth=tuple(told),
+        folder=folder, record=record, rows=rows, done=done, from_truth=tuple(known),
         chosen=np.ones(len(rows["epoch_ns"]), np.bool_),
     )  # fmt: skip
 
 
 def of_the_same(a: Drive, b: Drive) -> tuple[Drive, Drive, str]:
-    """Both with the rows at work; where one does not work, with those in which they drive."""
+    """Both drives with the rows to compare, and a description of these rows.
+
+    The rows are those at work. If one drive has no work, the rows are those with motion.
+    """
     if all(drive.done[WORKING].any() for drive in (a, b)):
         first, second = (replace(drive, chosen=drive.done[WORKING]) for drive in (a, b))
         return first, second, "at work"

@@ -1,4 +1,4 @@
-"""A recorded drive in numbers, as they go into scores.json: by activity, by hectare, by stretch."""
+"""Statistics of a recorded drive for scores.json: activities, area and fuel, highest slips."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ def findings(
     implement: Implement | None,
     no_work_ns: Sequence[tuple[int, int]] = (),
 ) -> dict[str, Plain]:
-    """What was driven, with the slip of the first estimator that gives one.
+    """Statistics of a drive, with the slip of the first estimator that gives a slip.
 
     Args:
-        streams: what was measured.
-        estimates: by estimator.
-        implement: what the map says of it.
-        no_work_ns: first and last instants of what is known to be no work.
+        streams: measurements of the drive.
+        estimates: estimator name -> table of estimates.
+        implement: implement, as the column map describes it; None if unknown.
+        no_work_ns: first and last epochs [ns] of time spans that are known to be no work.
 
     Returns:
         drive: estimator, start and span, the rule of the activities, their shares, the area, the
@@ -98,13 +98,19 @@ def phases_of(
 
 
 def shown_estimator(estimates: Mapping[str, Table]) -> str | None:
-    """The first estimator that gives a slip anywhere; None where none does."""
+    """Name of the first estimator with a finite slip in any row; None if no estimator has one."""
     giving = (n for n, t in estimates.items() if "slip" in t and np.isfinite(t["slip"]).any())
     return next(giving, None)
 
 
 def slip_at_work(estimate: Table, rows: Table, done: Activity) -> Array:
-    """The slips of an estimate in the seconds of work."""
+    """Slips [-] of an estimator in the seconds of work. Shape (n,); empty without a slip.
+
+    Args:
+        estimate: table of the estimator.
+        rows: table of the drive with one row for each second.
+        done: activity in each row of `rows`.
+    """
     if "slip" not in estimate:
         return np.empty(0)
     seconds = rows["epoch_ns"][done[WORKING]] // SECOND_NS
@@ -112,7 +118,7 @@ def slip_at_work(estimate: Table, rows: Table, done: Activity) -> Array:
 
 
 def spread(slip: Array) -> dict[str, float | int | None]:
-    """Median, 5 % and 95 % of the known slips."""
+    """Median, 5 % quantile, 95 % quantile and number of the finite slips [-]; None without any."""
     known = slip[np.isfinite(slip)]
     if not len(known):
         return {"median": None, "p05": None, "p95": None, "n": 0}

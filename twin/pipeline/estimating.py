@@ -23,18 +23,23 @@ State: TypeAlias = Any
 
 
 class Estimator(Protocol):
-    """What consumes streams: a state at the start, then a new state and estimates per chunk."""
+    """Interface of an estimator: `init` gives a state; `run` gives a new state and estimates."""
 
     def init(self, setup: Setup) -> State:
         """State before the first sample."""
 
     def run(self, state: State, chunk: Streams) -> tuple[State, Table]:
-        """New state, and what is estimated from the chunk."""
+        """New state, and the table of estimates of the chunk.
+
+        Args:
+            state: result of `init`, or of `run` on the previous chunk.
+            chunk: next part of the streams.
+        """
 
 
 @dataclass(frozen=True)
 class Estimated:
-    """The tables of several estimators, and what became of those that failed."""
+    """Tables of several estimators, and a note on each estimator that failed."""
 
     tables: dict[str, Table]
     failed: dict[str, str]
@@ -49,11 +54,12 @@ def all_estimates(
     streams: Streams,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Estimated:
-    """Every estimator over whole streams; one that fails gives NaN and a note, the others go on.
+    """Estimates of every estimator over whole streams; a failed one gives NaN and a note.
 
     Args:
-        estimators: by name.
-        setup, streams: given to each.
+        estimators: name -> estimator.
+        setup: set-up of the sensors, an argument of each estimator.
+        streams: measurements, an argument of each estimator.
         progress: called as progress(done, total) with numbers of estimators.
     """
     tables: dict[str, Table] = {}
@@ -79,17 +85,18 @@ def _unknown(streams: Streams) -> Table:
 
 
 def estimates(name: str, estimator: Estimator, setup: Setup, streams: Streams) -> Table:
-    """The table of an estimator over whole streams, `epoch_ns` as int64.
+    """Table of estimates of one estimator over whole streams; `epoch_ns` [ns] has type int64.
 
     Args:
-        name: what messages call it.
+        name: name of the estimator in the messages of errors.
         estimator: with `init(setup) -> state` and `run(state, chunk) -> (state, table)`.
-        setup, streams: given to it; it cannot change them for others.
+        setup: set-up of the sensors.
+        streams: measurements; a column that the estimator adds does not reach other estimators.
 
     Raises:
-        BadInput: it fails, gives no pair, or a table that is not one of estimates
-            (`twin.streams.ESTIMATES`): a column is unknown, missing, no numbers, or not as long as
-            its epochs.
+        BadInput: the estimator fails, `run` does not return a pair, or the table is not valid
+            (`twin.streams.ESTIMATES`): a column is unknown, missing, not numeric, or has another
+            length than `epoch_ns`.
     """
     own = Streams(streams.tables, streams.frames)  # a column that it adds is not seen by others
     with failing(f"estimator '{name}'", estimator):

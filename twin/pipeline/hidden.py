@@ -1,4 +1,4 @@
-"""Every estimator on a log with GNSS hidden at regular places."""
+"""Errors of every estimator on a log from which GNSS is removed in regular time intervals."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ LONGEST_S = 3600.0
 def hidden_scores(
     log: Log, estimators: Mapping[str, Estimator], hide_s: Sequence[float]
 ) -> list[dict[str, Plain]]:
-    """One score for each estimator and each time that GNSS is hidden.
+    """One score for each estimator and each length of the hidden intervals.
 
     Args:
         log: the recorded drive.
-        estimators: by name; one that fails is silent.
-        hide_s: how long GNSS is hidden at a time [s].
+        estimators: name -> estimator; an estimator that fails has no estimates.
+        hide_s: lengths of the intervals without GNSS [s].
 
     Raises:
-        BadInput: the log has no speed of GNSS, or is too short for one of the times.
+        BadInput: the log has no GNSS speed, or is too short for one of the lengths.
     """
     found: list[Score] = []
     for hidden_s in hide_s:

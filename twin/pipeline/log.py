@@ -1,4 +1,4 @@
-"""The same estimators on a recorded drive, and what its slip looks like."""
+"""Estimators on a recorded drive, and the statistics of the estimated slip."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ def findings(
     steady: SteadySlip | None,
     no_work_ns: Sequence[tuple[int, int]] = (),
 ) -> dict[str, Plain]:
-    """The slip of each estimator while driving and, where the map has the rules, steady work."""
+    """Slip statistics of each estimator while driving and, with a rule [steady], in steady work."""
     found: dict[str, Plain] = {"slip": {n: slip_summary(t) for n, t in estimates.items()}}
     found |= drive.findings(log.streams, estimates, log.implement, no_work_ns)
     if steady is None:
@@ -160,7 +160,7 @@ def findings(
 
 
 def slip_summary(estimates: Table) -> dict[str, float | int | None]:
-    """Median, 5 % and 95 % of the estimated slip while driving faster than 0.5 m/s."""
+    """Median, 5 % and 95 % quantile of the estimated slip [-] at speeds above 0.5 m/s."""
     if "slip" not in estimates:
         return spread(np.empty(0))
     slip = np.asarray(estimates["slip"], np.float64)
@@ -169,7 +169,7 @@ def slip_summary(estimates: Table) -> dict[str, float | int | None]:
 
 
 def steady_summary(log: Log, estimates: Table) -> dict[str, float | int | None]:
-    """The same over the rows of steady work, as the map's rule chooses them."""
+    """Median, 5 % and 95 % quantile of the estimated slip [-] in steady work (rule of the map)."""
     _, wheel_mps = logs.paired_speeds(log.streams)
     epoch_ns = log.streams["wheels"]["epoch_ns"]
     chosen = logs.choose(log.rules["steady"], log.rows, epoch_ns, wheel_mps)
@@ -179,9 +179,11 @@ def steady_summary(log: Log, estimates: Table) -> dict[str, float | int | None]:
 
 
 def prepared(log: Log) -> tuple[Log, SteadySlip | None, dict[str, Plain]]:
-    """The log with wheel speeds scaled to zero slip, and what its protocol gave.
+    """Log with scaled wheel speeds, the steady slip, and the findings for scores.json.
 
-    The map's rule scales them, else the zero-pull passes of a recording protocol.
+    The scale makes the slip zero where the rule [zero_slip] of the map chooses rows. Without this
+    rule the zero-pull passes of a recording protocol give the scale. The steady slip is None if the
+    map lacks [zero_slip] or [steady].
     """
     log, beside = protocol.applied(log)
     if "zero_slip" not in log.rules:
@@ -208,7 +210,7 @@ def _zero_slip(log: Log, beside: Mapping[str, Plain]) -> str:
 
 
 def reference(log: Log, path: Path) -> Table | None:
-    """The log's own reference; for a run folder, its truth."""
+    """Reference table of the log, or the truth if `path` is a run folder; None without both."""
     truth = path / run_folder.TRUTH
     if log.reference is None and path.is_dir() and truth.exists():
         return run_folder.read_parquet(truth)

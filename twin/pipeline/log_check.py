@@ -1,4 +1,4 @@
-"""What a real log says of itself: its zero-slip scale, the GNSS lag and the slip of steady work."""
+"""Zero-slip scale, lag of the GNSS speed and slip of steady work, computed from a log."""
 
 from __future__ import annotations
 
@@ -31,16 +31,24 @@ class SteadySlip:
     scale: Scale
     lag: Lag
     rule: str
-    """How the rows were chosen, in words."""
+    """Rule that chose the rows, in words."""
 
     @property
     def lag_s(self) -> float:
-        """Lag of GNSS speed behind wheel speed."""
+        """Lag of the GNSS speed behind the wheel speed [s]."""
         return self.lag.lag_s
 
 
 def log_scale(log: Log, *, seed: int = 0) -> Scale:
-    """The zero-slip scale from the rows of the map's [zero_slip] rule; BadInput without any."""
+    """Zero-slip scale [-] from the rows that the rule [zero_slip] of the map chooses.
+
+    Args:
+        log: the recorded drive.
+        seed: random seed of the bootstrap.
+
+    Raises:
+        BadInput: the map has no such rule, or the rule chooses no row.
+    """
     rule = _rule(log, "zero_slip")
     ground, wheel, chosen = _chosen(log, rule)
     scale = zero_slip_scale(ground, wheel, chosen, rule=str(rule), seed=seed)
@@ -50,10 +58,10 @@ def log_scale(log: Log, *, seed: int = 0) -> Scale:
 
 
 def log_lag(log: Log, *, seed: int = 0) -> Lag:
-    """Delay of GNSS speed behind wheel speed over the whole log.
+    """Lag of the GNSS speed behind the wheel speed, over the whole log.
 
     Raises:
-        BadInput: the log has no speed of one of them.
+        BadInput: the log has no GNSS speed or no wheel speed.
     """
     if "gnss" not in log.streams or "wheels" not in log.streams:
         raise BadInput("the log has no gnss and wheels to compare; map speeds of both")
@@ -65,11 +73,11 @@ def log_lag(log: Log, *, seed: int = 0) -> Lag:
 def steady_slip(log: Log, *, seed: int = 0) -> SteadySlip:
     """Median slip over the rows of the map's [steady] rule, and its 95 % interval.
 
-    s = 1 - q / k for q < k, k / q - 1 otherwise;  q = v / wheel speed, k the scale
+    s = 1 - q / k for q < k,  k / q - 1 otherwise;  q = v / wheel speed
 
-    Slip falls with q everywhere, so the median q gives the median slip, and bootstrap replicates of
-    the two medians pair off into replicates of slip. Speeds are not shifted by the lag: in steady
-    work it changes next to nothing.
+    s: slip [-]. v: GNSS speed [m/s]. k: zero-slip scale [-]. Slip decreases with q, so the median q
+    gives the median slip. Each bootstrap replicate of the slip uses one replicate of the median q
+    and one of k. The lag does not shift the speeds, because the speeds are steady.
 
     Raises:
         BadInput: the log has no such rule, or the rule chooses no row.
@@ -89,12 +97,12 @@ def steady_slip(log: Log, *, seed: int = 0) -> SteadySlip:
 
 
 def slip_from_ratio(ratio: Any) -> NDArray[np.float64]:
-    """Slip from v / wR: s = (wR - v) / max(wR, v)."""
+    """Slip s = (wR - v) / max(wR, v) [-] from the ratio v / wR of ground and wheel speed [-]."""
     return np.asarray((1.0 - ratio) / np.maximum(1.0, ratio))
 
 
 def scaled(log: Log, scale: float) -> Log:
-    """The log with its wheel speeds times `scale`, so that they are the theoretical speed w R."""
+    """Log with wheel speeds multiplied by `scale` [-], which gives the theoretical speed w R."""
     wheels: Table = {
         k: v * scale if k in _WHEEL_SPEEDS else v for k, v in log.streams["wheels"].items()
     }

@@ -1,6 +1,6 @@
-"""Scenarios and estimators by name, or by `module:Name` from wherever the user stands.
+"""Scenarios and estimators by registered name, or by `module:Name` from the working directory.
 
-A scenario can also be read from the folder of a run, which repeats it.
+A scenario can also be read from the folder of a run, in order to repeat the run.
 """
 
 from __future__ import annotations
@@ -20,21 +20,22 @@ PACKAGES = {"scenario": "scenarios", "estimator": "estimators"}
 
 
 def names(kind: str) -> list[str]:
-    """The registered names of a kind, sorted. Raises UnknownName for a kind that there is not."""
+    """Sorted registered names of a kind, such as scenarios. Raises UnknownName for another kind."""
     return sorted(_registry(kind))
 
 
 def load(kind: str, spec: str) -> Thing:
-    """The object of a registered name or of `module:Name`.
+    """Object of a registered name or of `module:Name`.
 
     `module:` alone means the module itself. The working directory is added to the end of the
-    import path, so nothing in it shadows an installed package. A class is made into an
-    instance. A scenario is also a run's folder, or a scenario.json: what was driven.
+    import path, so nothing in it shadows an installed package. A class gives an
+    instance without arguments. For a scenario, `spec` can also be the folder of a run or the path
+    of a scenario.json.
 
     Raises:
-        UnknownName: no such kind, or no such name and it is no `module:Name`.
-        BadInput: the module cannot be imported, lacks the attribute, or it is none of the kind;
-            or the file holds no scenario.
+        UnknownName: the kind is unknown, or `spec` is neither a known name nor `module:Name`.
+        BadInput: the module cannot be imported or lacks the attribute, the object is not of the
+            kind, or the file holds no scenario.
     """
     known = _registry(kind)
     if kind == "scenario" and spec not in known and (path := _file(spec)) is not None:
@@ -49,10 +50,10 @@ def load(kind: str, spec: str) -> Thing:
 
 
 def checked(kind: str, name: str, found: Thing) -> Thing:
-    """The thing itself where it is one of its kind; a class is made into an instance.
+    """Object `found` if it is of the kind; an instance if `found` is a class.
 
     Raises:
-        BadInput: it lacks what one of its kind has, or cannot be made.
+        BadInput: the object lacks an attribute of the kind, or the class needs arguments.
     """
     return (_estimator if kind == "estimator" else _scenario)(name, found)
 

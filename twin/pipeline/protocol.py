@@ -49,12 +49,12 @@ MISSING = {
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """What one part gave."""
+    """Result of one part of the recording protocol."""
 
     part: str
     found: bool
     starts_s: tuple[float, ...] = ()
-    """Since the start of the log."""
+    """Start of each occurrence, since the start of the log [s]."""
     spans_ns: tuple[Span, ...] = ()
     gives: str
     value: str = ""
@@ -65,10 +65,11 @@ class Finding:
 
 
 def applied(log: Log) -> tuple[Log, dict[str, Plain]]:
-    """The log with what its protocol gave put to use, and what that is, for scores.json.
+    """Log corrected by its recording protocol, and the findings for scores.json.
 
-    Zero-pull passes scale the wheels where the map has no [zero_slip]; the clock check moves the
-    epochs of the GNSS; standing takes a bias off the gyro. Without a protocol nothing changes.
+    Zero-pull passes scale the wheel speeds if the map has no rule [zero_slip]. The clock check
+    shifts the GNSS epochs. Standing gives a bias that is subtracted from the gyro. Without a
+    protocol the log is unchanged.
     """
     speeds = with_speeds(log.streams, log.setup)
     rows = timeline(speeds)
@@ -97,9 +98,11 @@ def applied(log: Log) -> tuple[Log, dict[str, Plain]]:
 
 
 def with_speeds(streams: Streams, setup: Setup) -> Streams:
-    """The streams with speeds of the rear wheels also where a source gives ticks.
+    """Streams with rear wheel speeds w R [m/s], computed from ticks if the source gives ticks.
 
     w R = 2 pi R / counts * d ticks / d t
+
+    w: wheel speed [rad/s]. R: rolling radius [m]. counts: ticks of one turn. t: time [s].
     """
     wheels = streams.tables.get("wheels")
     block = setup.wheels

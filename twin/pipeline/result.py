@@ -1,4 +1,4 @@
-"""What a run, or the estimates of a log, gave: a frozen record that saves and shows itself."""
+"""Result of a run, or of estimators on a log: a frozen record that writes its files."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
 
 
 class Measured(Protocol):
-    """A scenario of signals without a machine: it gives measurements and truth itself."""
+    """Interface of a scenario that gives measurements and truth without a simulated machine."""
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Name of the scenario."""
 
     @property
     def seed(self) -> int:
-        """The seed of everything random in it."""
+        """Seed of all random numbers of the scenario."""
 
     def measure(self) -> tuple[Setup, Streams, Table]:
-        """The estimators' set-up, the streams, and the truth."""
+        """Set-up of the sensors, streams of measurements, and truth."""
 
 
 @dataclass(frozen=True)
@@ -71,41 +71,41 @@ class Result:
 
     @property
     def ended(self) -> str:
-        """How the run ended, in words."""
+        """End of the run, in words."""
         return str(self.end or Outcome.DRIVEN)
 
     @cached_property
     def scores(self) -> dict[str, Plain]:
-        """Every estimator against the truth, and the bound: what goes into scores.json."""
+        """Scores of every estimator against the truth, and the bound, as in scores.json."""
         from twin.pipeline.scored import log_scores, run_scores
 
         return log_scores(self) if self.scenario is None else run_scores(self)
 
     def save(self, directory: Path | str | None = None, *, command: str = "") -> Path:
-        """Write the run folder, with report and recording; it appears only when complete.
+        """Write the run folder, with report and recording; the folder appears when complete.
 
         Args:
-            directory: where; runs/<name>-seed<N> by default. An earlier run folder is replaced.
-            command: the command that the report says, if there was one.
+            directory: target; default runs/<name>-seed<N>. An earlier run folder is replaced.
+            command: command line that the report shows; empty for none.
 
         Raises:
-            BadInput: the name is taken by something else, or the folder cannot be written.
+            BadInput: the target exists and is no run folder, or the folder cannot be written.
         """
         from twin.pipeline.saved import save
 
         return save(self, None if directory is None else Path(directory), command)
 
     def report(self, path: Path | str, *, command: str = "") -> None:
-        """Write the report, one HTML file. Raises BadInput where it cannot be written."""
+        """Write the report, one HTML file. Raises BadInput if the file cannot be written."""
         from twin.pipeline.saved import report
 
         report(self, Path(path), command)
 
     def figures(self, directory: Path | str) -> list[Path]:
-        """Write every figure of the report as SVG and PDF, 85 mm wide; the files.
+        """Write every figure of the report as SVG and PDF, 85 mm wide; return the files.
 
         Args:
-            directory: where; files of other names in it stay.
+            directory: target folder; its files with other names stay.
 
         Raises:
             BadInput: the folder cannot be written.
@@ -115,13 +115,13 @@ class Result:
         return figures(self, Path(directory))
 
     def record(self, path: Path | str) -> None:
-        """Write the recording for the rerun viewer. Raises BadInput where it cannot be written."""
+        """Write the recording for the rerun viewer. Raises BadInput if writing fails."""
         from twin.pipeline.saved import record
 
         record(self, Path(path))
 
     def csv(self, path: Path | str) -> str:
-        """Write the estimates of all estimators as one CSV file; how its time is written.
+        """Write the estimates of all estimators as one CSV file; return the format of its time.
 
         Every column has its unit in its name; slip is in percent.
 
@@ -133,7 +133,7 @@ class Result:
         return write(self.estimates, Path(path))
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """The estimates of all estimators below each other, column `estimator` first.
+        """All estimates, one row for each estimator and epoch; first column `estimator`.
 
         Raises:
             BadInput: pandas is not installed.

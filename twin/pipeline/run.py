@@ -53,19 +53,19 @@ def run(
     frames: Path | None = None,
     controlled: Controlled | None = None,
 ) -> Result:
-    """Drive a scenario, sense it, and estimate from what was sensed.
+    """Result of a simulated drive: measurements, truth, and estimates from the measurements.
 
     Args:
-        scenario: what is driven, with its seed.
-        estimators: by name; each sees the set-up and the streams, nothing else.
-        progress: called with the share driven, 0 to 1, and the time driven [s].
+        scenario: the scenario, with its random seed.
+        estimators: name -> estimator; an estimator gets only the set-up and the streams.
+        progress: called with the driven share of the course, 0 to 1, and the driven time [s].
         frames: folder where the camera's frames are saved as PNG.
-        controlled: who sets throttle and hitch in work, in the driver's place.
+        controlled: controller of throttle and hitch in work; None for the driver.
 
     Raises:
-        BadInput: a field is set that the run would not read, or the signals fail; says which and
-            where. An estimator that fails gives NaN and a note.
-        Diverged: the simulation left the finite numbers; its evidence repeats the last second.
+        BadInput: a field is set that the run does not read, or the scenario's own signals fail. An
+            estimator that fails raises nothing: it gives NaN and a note.
+        Diverged: a value of the simulation became NaN or too large.
     """
     start = time.perf_counter()
     end, said, kept = None, tuple[str, ...](), None
@@ -129,18 +129,18 @@ def sense(
     frames: Path | None = None,
     set_levers: SetLevers | None = None,
 ) -> tuple[Streams, Table, Frames | None, list[End]]:
-    """Drive a machine, after its calibration.
+    """Measurements and truth of a simulated drive, which starts with the calibration.
 
     Args:
-        machine: what is driven.
-        driven: its driven wheels.
-        progress: called with the share driven, 0 to 1, and the time driven [s].
+        machine: the simulated machine.
+        driven: names of the driven wheels.
+        progress: called with the driven share of the course, 0 to 1, and the driven time [s].
         frames: folder where the camera's frames are saved as PNG.
-        set_levers: sets throttle and hitch in work, in the driver's place.
+        set_levers: function that sets throttle and hitch in work; None for the driver.
 
     Returns:
-        What its sensors gave, the truth of the run, a few of its camera's frames, and how each
-        leg of the calibration and, last, the run ended.
+        Measurements of the sensors, truth of the run, a few camera frames, and the ends of the
+        legs of the calibration and, last, of the run.
     """
     scenario = machine.scenario
     recording, run_chunks = calibration.run_chunks(machine, set_levers)

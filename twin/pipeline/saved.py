@@ -1,4 +1,4 @@
-"""A result as files: run folder, report, recording, data frame."""
+"""Files of a result: run folder, report, recording; and its data frame."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def save(result: Result, directory: Path | None, command: str) -> Path:
 
 
 def pictures(result: Result, command: str) -> dict[str, run_folder.Picture]:
-    """File of a run folder -> what writes it."""
+    """File name in the run folder -> function that writes the file."""
     from twin.report import write
 
     return {REPORT: partial(write, command=command), RECORDING: partial(_picture, result)}
@@ -105,7 +105,7 @@ def _turned(scenario: Scenario) -> Any:
 
 
 def dataframe(result: Result) -> pandas.DataFrame:
-    """The estimates as one data frame; see `Result.to_dataframe`.
+    """Data frame of the estimates; see `Result.to_dataframe`.
 
     Raises:
         BadInput: pandas is not installed.

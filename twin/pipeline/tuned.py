@@ -46,7 +46,7 @@ Numbers = Mapping[str, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Noises:
-    """What differs from what an estimator's author and the data sheets say."""
+    """Changes of the noises of an estimator: values of its fields, factors on sensor sd."""
 
     values: Numbers = field(default_factory=dict)
     """Field of the estimator, by dotted path -> its value."""
@@ -56,14 +56,14 @@ class Noises:
 
 @dataclass(frozen=True)
 class Tuned:
-    """An estimator that gets other sd of the sensors; its own values are set already."""
+    """An estimator whose inputs have sensor sd multiplied by factors."""
 
     estimator: Thing
     factors: Numbers
 
     @property
     def offline(self) -> bool:
-        """Whether it wants the whole log, as the estimator itself."""
+        """True if the estimator needs the whole log in one chunk."""
         return bool(getattr(self.estimator, "offline", False))
 
     def init(self, setup: Setup) -> State:
@@ -76,17 +76,17 @@ class Tuned:
         return result
 
     def innovations(self, setup: Setup, streams: Streams) -> Table:
-        """The estimator's innovations."""
-        told, seen = scaled_setup(setup, self.factors), scaled_streams(streams, self.factors)
-        found: Table = self.estimator.innovations(told, seen)
+        """Innovations of the estimator with the scaled sd."""
+        scaled, seen = scaled_setup(setup, self.factors), scaled_streams(streams, self.factors)
+        found: Table = self.estimator.innovations(scaled, seen)
         return found
 
 
 def tuned(name: str, estimator: Thing, noises: Noises) -> Thing:
-    """The estimator with these noises.
+    """Estimator `name` with the changed noises.
 
     Raises:
-        BadInput: it has no such field, its class refuses a value, or it is no dataclass.
+        BadInput: the estimator is no dataclass, lacks a field, or refuses a value.
     """
     if noises.values:
         if not dataclasses.is_dataclass(estimator):
@@ -102,7 +102,7 @@ def tuned(name: str, estimator: Thing, noises: Noises) -> Thing:
 
 
 def scaled_setup(setup: Setup, factors: Numbers) -> Setup:
-    """A set-up whose stated sd are multiplied by factors of FACTORS."""
+    """Set-up with sd multiplied by `factors` (name in FACTORS -> factor [-])."""
     for name, factor in factors.items():
         sensor, key, _ = FACTORS[name]
         block = getattr(setup, sensor)
@@ -113,7 +113,7 @@ def scaled_setup(setup: Setup, factors: Numbers) -> Setup:
 
 
 def scaled_streams(streams: Streams, factors: Numbers) -> Streams:
-    """Streams whose own sd columns are multiplied by factors of FACTORS."""
+    """Streams with sd columns multiplied by `factors` (name in FACTORS -> factor [-])."""
     tables = dict(streams.tables)
     for name, factor in factors.items():
         sensor, _, column = FACTORS[name]
@@ -132,7 +132,7 @@ def read(path: Path) -> dict[str, Noises]:
     """Estimator -> its tuned fields and factors, from a file that `twin tune` wrote.
 
     Raises:
-        BadInput: the file is missing, or is not a valid file of `twin tune`; says why.
+        BadInput: the file is missing, or is not a valid file of `twin tune`.
         UnknownName: a factor has a name that is not in FACTORS.
     """
     try:
@@ -167,10 +167,10 @@ def _noises(where: str, part: Plain) -> Noises:
 def applied(
     estimators: Mapping[str, Estimator], noises: Mapping[str, Noises], path: Path
 ) -> tuple[dict[str, Estimator], list[str]]:
-    """Estimators by name with their noises from a file, and a note on each that has some.
+    """Estimators with the noises of a file, and a note on each changed estimator.
 
     Raises:
-        BadInput: the file has none for any of them.
+        BadInput: the file has no noises for any of the estimators.
     """
     there = [name for name in estimators if name in noises]
     if not there:

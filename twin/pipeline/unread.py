@@ -33,7 +33,7 @@ Met = Callable[[Scenario], bool]
 
 @dataclass(frozen=True)
 class Rule:
-    """Fields that are read only on a condition."""
+    """Condition under which a run reads a group of fields."""
 
     needs: str
     """The condition, as messages say it."""
@@ -232,7 +232,7 @@ RULES = (
 
 
 def unread(scenario: Thing) -> dict[str, str]:
-    """Path of each field that a run would not read, and what it needs to be read."""
+    """Path of each field that a run does not read -> condition under which the run reads it."""
     if not isinstance(scenario, Scenario):
         told = getattr(scenario, "unread", None)
         return dict(told()) if callable(told) else {}
@@ -262,13 +262,13 @@ def _idle_faults(scenario: Scenario) -> Iterator[tuple[str, str]]:
 def complaint(
     scenario: Thing, named: Collection[str] = (), also: Mapping[str, str] | None = None
 ) -> str | None:
-    """What is set and would not be read, as a sentence; None where all is read.
+    """Sentence on the fields that are set but not read; None if every set field is read.
 
-    Set is what differs from its default, and what the user has named. An error of a sensor that is
-    switched off, as in `twin.sensors.ideal`, asks for nothing.
+    A field is set if its value differs from the default or if the user named the field. A sensor
+    error that is switched off, as in `twin.sensors.ideal`, does not count as set.
 
     Args:
-        scenario: what would be run.
+        scenario: scenario to check.
         named: paths of fields that the user gave.
         also: further fields that this use of the scenario does not read, and what they need.
     """
@@ -289,7 +289,7 @@ def complaint(
 def refuse_unread(
     scenario: Thing, named: Collection[str] = (), also: Mapping[str, str] | None = None
 ) -> None:
-    """Raise BadInput for what is set and would not be read. Arguments as `complaint`."""
+    """Raise BadInput if a set field is not read. The arguments are those of `complaint`."""
     if (said := complaint(scenario, named, also)) is not None:
         raise BadInput(said)
 
