@@ -61,10 +61,10 @@ def read(
     """Read a recorded drive.
 
     Args:
-        paths: the log, or the files it is in.
+        paths: path of the log, or paths of its files.
         column_map: TOML that says which column is what; tables need one, other files may say it
             themselves, a run folder takes none.
-        reader: what reads it; None finds the kind of each file from its content.
+        reader: reader of the files; None selects a reader for each file from its content.
         strict: refuse a log with a single bad row.
         offset_s: file name -> how far its clock is ahead of the first file's [s].
 
@@ -95,7 +95,7 @@ def read(
 
 
 def found_in(path: Path, reading: Reading | None = None, reader: Reader | None = None) -> Found:
-    """All that a file holds, before any map. Raises BadInput."""
+    """Signals of a file, before a column map. Raises BadInput if the file cannot be read."""
     by = reader or fitting(path)
     if isinstance(by, RunFolder):
         by.whole(path)  # says what else the directory is
@@ -108,7 +108,7 @@ def found_in(path: Path, reading: Reading | None = None, reader: Reader | None =
 def found_in_all(
     paths: Sequence[Path], reading: Reading | None = None, reader: Reader | None = None
 ) -> dict[str, Found]:
-    """All that several files hold, by their names. Raises BadInput."""
+    """File name -> signals of the file. Raises BadInput if a file cannot be read."""
     return {
         name: _named(path, lambda p: found_in(p, reading, reader))
         for name, path in _told_apart(paths).items()

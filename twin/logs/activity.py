@@ -58,7 +58,7 @@ PULLS = (
 
 @dataclass(frozen=True)
 class Activity:
-    """What the machine does in each row of a timeline."""
+    """Activity of the machine in each row of a timeline."""
 
     code: NDArray[np.int64]
     """Index into ACTIVITIES, or UNKNOWN. Shape (n,)."""
@@ -106,7 +106,7 @@ def activity(rows: Table, no_work_ns: Sequence[tuple[int, int]] = ()) -> Activit
 
 
 def stretches(chosen: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First row and the row after the last of each run of chosen rows."""
+    """First row, and the row after the last, of each unbroken sequence of chosen rows."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(np.int8)))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
@@ -157,9 +157,11 @@ def smoothed(values: Array, rows: Table) -> Array:
 
 
 def two_groups(values: Array, least: float) -> float | None:
-    """The limit between two groups of values; None where their means are nearer than `least`.
+    """Threshold between two groups of values; None if their means differ by less than `least`.
 
-    Maximises w (1 - w) (m1 - m0)^2 (Otsu 1979, IEEE Trans. SMC 9, 62).
+    The threshold maximises w (1 - w) (m1 - m0)^2 (Otsu 1979, IEEE Trans. SMC 9, 62).
+
+    w: share of the values in one group [-]. m0, m1: means of the groups, in the unit of the values.
     """
     if len(values) < 10:
         return None

@@ -1,4 +1,4 @@
-"""The lag of the GNSS behind the wheels from starts and stops, apart from the slip in them."""
+"""Lag of the GNSS speed behind the wheel speed, from starts and stops with slip."""
 
 from __future__ import annotations
 
@@ -21,12 +21,14 @@ _GRID_S = 0.05
 
 
 def lags_s(gnss_s: Array, gnss_mps: Array, wheel_s: Array, wheel_mps: Array) -> NDArray[np.float64]:
-    """The lag in each start and stop; positive is late.
+    """Lag of the GNSS speed in each start and stop [s]; positive if GNSS is late.
 
         v(t) = w(t - lag) (c - k a(t - lag))
 
-    Slip grows with the force that accelerates. So wheels lead the ground by k w, as a lag would
-    have it; but a lag is the same at every speed w. The lag is searched, c and k are least squares.
+    v: GNSS speed [m/s]. w: wheel speed [m/s]. a: acceleration of the wheels [m/s^2]. c [-], k
+    [s^2/m]: scale, and change of slip with acceleration. For each trial lag, least squares give c
+    and k; the lag with the smallest residual is the result. Slip appears as a lead of the wheels
+    that is proportional to w (k w), and the lag is equal at all w, so the two can be separated.
 
     Args:
         gnss_s, gnss_mps: times and ground speeds, shape (n,); unknown speeds are left out.

@@ -33,7 +33,7 @@ _NORMAL_95 = 1.96
 
 @dataclass(frozen=True, kw_only=True)
 class Speed:
-    """A speed that a file holds, without sign."""
+    """Absolute speed that one file contains."""
 
     epoch_ns: NDArray[np.int64]
     mps: Array
@@ -41,14 +41,14 @@ class Speed:
 
 @dataclass(frozen=True, kw_only=True)
 class Offset:
-    """How far a clock is ahead of another."""
+    """Time by which one clock is ahead of another."""
 
     offset_s: float
     sd_s: float
 
 
 def offset(reference: Speed, other: Speed) -> Offset:
-    """How far the clock of `other` is ahead of that of `reference`. Raises BadInput if unknown."""
+    """Offset: clock of `other` minus clock of `reference`. Raises BadInput if it is not found."""
     ref_s, ref = _seconds(reference)
     own_s, own = _seconds(other)
     if len(ref) < 10 or len(own) < 10 or np.ptp(ref) < 0.2 or np.ptp(own) < 0.2:

@@ -50,7 +50,7 @@ _LARGEST_BYTES = 1_000_000
 
 @dataclass(frozen=True)
 class Source:
-    """Where a quantity comes from."""
+    """Column of the log that gives a quantity, with unit and conversion."""
 
     column: str
     unit: str

@@ -64,7 +64,7 @@ def drive_statistics(
 
 
 def ratios(ours: Mapping[str, float], theirs: Mapping[str, float]) -> dict[str, float]:
-    """Each of ours over theirs; 1 where both are nothing."""
+    """Ratio of each value of `ours` to the same value of `theirs`; 1 if both are zero."""
     return {
         name: 1.0 if ours[name] == theirs[name] else ours[name] / theirs[name]
         for name in theirs

@@ -15,10 +15,13 @@ ECCENTRICITY_SQ = FLATTENING * (2.0 - FLATTENING)
 
 
 def ecef_m(latitude_rad: Array, longitude_rad: Array, height_m: Array) -> NDArray[np.float64]:
-    """Earth-centred, earth-fixed position, shape (..., 3).
+    """Earth-centred, earth-fixed position x, y, z [m]. Shape (..., 3).
 
     N = a / sqrt(1 - e2 sin(lat)^2)
     x = (N + h) cos(lat) cos(lon),  y = (N + h) cos(lat) sin(lon),  z = (N (1 - e2) + h) sin(lat)
+
+    lat, lon: latitude and longitude [rad]. h: height above the ellipsoid [m]. a: semi-major axis
+    [m], e2: squared eccentricity [-] of WGS 84.
     """
     normal_m = SEMI_MAJOR_M / np.sqrt(1.0 - ECCENTRICITY_SQ * np.sin(latitude_rad) ** 2)
     equatorial_m = (normal_m + height_m) * np.cos(latitude_rad)

@@ -39,11 +39,12 @@ def gnss_table(
     v_east = speed cos(course), v_north = speed sin(course)
 
     Args:
-        values: the columns, SI.
-        epoch_ns: their times.
+        values: logged columns in SI units. Shape (n,).
+        epoch_ns: epochs of the rows [ns]. Shape (n,).
         remarks: notes and losses, added to.
         given: the geodetic origin [deg, deg, m]; None for the first fix.
-        mount_rad: from the body to the antenna baseline, whose heading is measured.
+        mount_rad: angle from the body x axis to the antenna baseline [rad]; the log has the
+            heading of the baseline.
 
     Returns:
         the columns without stamps; the geodetic origin [deg, deg, m] if there is one.

@@ -13,7 +13,7 @@ from twin.streams import Setup, Streams, Table
 
 @dataclass(frozen=True, kw_only=True)
 class Log:
-    """A recorded drive in the form estimators take, and what was found on the way."""
+    """A recorded drive in the form that estimators take, with notes from the reading."""
 
     streams: Streams
     """Samples by sensor; obeys `twin.streams.check`."""

@@ -35,7 +35,7 @@ class Loss:
 
 @dataclass(frozen=True)
 class Limits:
-    """How many rows may be bad."""
+    """Limits on the number of bad rows."""
 
     share: float = SHARE
     strict: bool = False
@@ -43,7 +43,7 @@ class Limits:
 
 
 def judged(losses: Iterable[Loss], limits: Limits) -> list[str]:
-    """A note for each loss. Raises BadInput where a table has more bad rows than it may."""
+    """One note for each loss. Raises BadInput if a table has too many bad rows."""
     found = [loss for loss in losses if len(loss.rows)]
     if found and limits.strict:
         raise BadInput(found[0].says)

@@ -63,7 +63,7 @@ Span = tuple[int, int]
 
 @dataclass(frozen=True)
 class Protocol:
-    """Where each part was found."""
+    """Times at which each part of the protocol was found."""
 
     spans: Mapping[Part, tuple[Span, ...]] = field(default_factory=dict)
     written: bool = False
@@ -83,12 +83,12 @@ def find(
     done: Activity,
     written: Mapping[Part, Times] | None = None,
 ) -> Protocol:
-    """The parts in a timeline; empty where there is no clock check and nothing is written.
+    """Parts in a timeline; empty without a clock check and without times in the map.
 
     Args:
-        rows: of `twin.logs.timeline.timeline`.
-        done: what the machine does in them.
-        written: times that the map gives; then only these count.
+        rows: table from `twin.logs.timeline.timeline`.
+        done: activity of the machine in each row.
+        written: times of the parts from the map; if given, no part is searched elsewhere.
     """
     if not len(rows["epoch_ns"]):
         return Protocol()

@@ -10,7 +10,7 @@ from twin.streams import WHEELS
 
 @dataclass(frozen=True)
 class Quantity:
-    """One thing a column can measure."""
+    """A quantity that a column can measure, with its plausible range."""
 
     dimension: str
     """Key of UNITS."""

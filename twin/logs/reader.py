@@ -20,11 +20,11 @@ class Reader:
     """Column map of a kind of log that names its own signals, as its TOML would read."""
 
     def fits(self, path: Path, head: bytes) -> bool:
-        """Whether a path looks like one; `head` are a file's first 4096 bytes."""
+        """True if the reader can read the path; `head` is the first 4096 bytes of the file."""
         return False
 
     def signals(self, path: Path) -> Mapping[str, Signal]:
-        """Every signal of a log, by name. Raises BadInput."""
+        """Signal name -> signal of the log. Raises BadInput if the file cannot be read."""
         raise NotImplementedError
 
     def found(self, path: Path, reading: Reading) -> Found:

@@ -34,7 +34,7 @@ class Signal:
 
 @dataclass(frozen=True, kw_only=True)
 class Found:
-    """All that a reader finds in a file."""
+    """Signals and other content that a reader finds in a file."""
 
     signals: Mapping[str, Signal]
     """By name."""
@@ -72,7 +72,13 @@ def checked(name: str, signal: object) -> Signal:
 
 
 def brought(values: Array, from_ns: NDArray[np.int64], to_ns: NDArray[np.int64]) -> Array:
-    """The newest value at or before each time; NaN, or no text, before the first. Shape (m,)."""
+    """Newest value at or before each time; NaN, or empty text, before the first. Shape (m,).
+
+    Args:
+        values: values of a signal. Shape (n,).
+        from_ns: times of the values [ns], ascending. Shape (n,).
+        to_ns: times of the result [ns]. Shape (m,).
+    """
     if np.array_equal(from_ns, to_ns):
         return values
     newest = np.searchsorted(from_ns, to_ns, side="right") - 1

@@ -1,4 +1,4 @@
-"""The two speeds a slip is made of, from the streams of a log."""
+"""Ground speed and wheel speed, which define slip, from the streams of a log."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from twin.streams import Array, Streams
 
 
 def ground_speed_mps(streams: Streams) -> Array:
-    """Horizontal GNSS speed at the epochs of `gnss`, sqrt(v_east^2 + v_north^2)."""
+    """Horizontal GNSS speed sqrt(v_east^2 + v_north^2) [m/s] at the epochs of `gnss`."""
     east, north = (streams.column("gnss", f"v_{axis}_mps") for axis in ("east", "north"))
     return np.asarray(np.hypot(east, north))
 
 
 def driven_speed_mps(streams: Streams) -> Array:
-    """Mean speed of the rear wheels at the epochs of `wheels`, without sign as a bus gives it."""
+    """Absolute value of the mean rear-wheel speed [m/s] at the epochs of `wheels`."""
     rear = [streams.column("wheels", f"speed_{w}_mps") for w in ("rl", "rr")]
     return np.asarray(np.abs(np.mean(rear, axis=0)))
 

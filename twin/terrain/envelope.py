@@ -1,4 +1,4 @@
-"""The ground as a rolling wheel feels it: heights enveloped by the wheel's arc."""
+"""Envelope of the ground heights: height of the hub of a rigid wheel that rolls over the ground."""
 
 from __future__ import annotations
 

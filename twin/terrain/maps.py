@@ -24,7 +24,7 @@ ROUGHNESS_STREAM, MIXTURE_STREAM = 8608, 8609
 
 
 def ground_maps(scenario: Scenario) -> dict[str, GridMap]:
-    """The maps by the names that the laws know them by: "heights", "mixture".
+    """Map name in the model, "heights" or "mixture" -> map of the scenario's ground.
 
     Raises:
         BadInput: a user's map cannot be read or is too steep.

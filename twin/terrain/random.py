@@ -53,7 +53,7 @@ def mixture(
 
     Args:
         share: share of the area that the other soil covers.
-        length_m: size of a patch: the distance in which the surface forgets itself.
+        length_m: size of a patch: correlation length of the surface [m].
         shape, cell_m: of the grid.
         rng: of the surface.
     """
