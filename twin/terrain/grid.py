@@ -13,21 +13,21 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class GridMap:
-    """Values over a part of the ground."""
+    """Values on a square grid over a part of the ground; s points along, t to the left."""
 
     nodes: Array
     """Rows across the ground from the right, columns along it. Shape (rows, columns)."""
     cell_m: float
-    """Distance between nodes."""
+    """Distance between nodes [m]."""
     start_m: float
-    """s of the first column."""
+    """s of the first column [m]."""
     right_m: float
-    """t of the first row."""
+    """t of the first row [m]."""
     repeats: bool
     """Whether the map repeats; if not, its border values continue."""
 
     def at(self, s_m: Array, t_m: Array) -> Array:
-        """Values at places on the ground, as `twin.physics.ground.on_map`; arrays of one shape."""
+        """Values at the points (s_m, t_m) [m], as in `ground.on_map`; arrays of one shape."""
         row = (np.asarray(t_m) - self.right_m) / self.cell_m
         column = (np.asarray(s_m) - self.start_m) / self.cell_m
         if self.repeats:
@@ -38,7 +38,7 @@ class GridMap:
         return map_coordinates(self.nodes, place, order=2, prefilter=False, mode="nearest")
 
     def turned(self, length_m: float) -> GridMap:
-        """The same ground for a way back from s = length: s' = length - s, t' = -t."""
+        """Same ground for the drive back from s = length [m]: s' = length - s, t' = -t."""
         rows, columns = self.nodes.shape
         start_m = length_m - self.start_m - (columns - 1) * self.cell_m
         right_m = -self.right_m - (rows - 1) * self.cell_m

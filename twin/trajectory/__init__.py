@@ -1,1 +1,1 @@
-"""What a drive leaves: noise-free quantities on the physics grid, and how it ended."""
+"""Trajectory of a drive: noise-free quantities at the physics steps, and the end of the drive."""

@@ -62,7 +62,7 @@ class End:
 
     outcome: Outcome
     time_s: float
-    """Time of the end, as the epochs count it [s]."""
+    """Time of the end, on the clock of the epochs [s]."""
     along_m: float
     """Distance along `way` [m]."""
     left_m: float
@@ -75,12 +75,12 @@ class End:
 
     @property
     def as_planned(self) -> bool:
-        """Whether the course was driven, to its end or to the edge that ends it."""
+        """True if the drive reached the end of the course, or the edge that ends the course."""
         return self.outcome in (Outcome.DRIVEN, Outcome.EDGE)
 
     @property
     def early(self) -> bool:
-        """Whether it ended before the end of its course."""
+        """True if the drive ended before the end of the course."""
         return not (self.as_planned or self.outcome is Outcome.SHALLOW)
 
     @property
@@ -104,7 +104,7 @@ class End:
         return f"{self.outcome}{when if self.early else ''}: {words}"
 
     def plain(self) -> dict[str, bool | float | str]:
-        """The form in scores.json."""
+        """End as plain JSON values, for scores.json."""
         return {
             "outcome": str(self.outcome), "as_planned": self.as_planned, "time_s": self.time_s,
             "along_m": self.along_m, "left_m": self.left_m, "way": self.way,

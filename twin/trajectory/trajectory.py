@@ -21,7 +21,7 @@ class Trajectory:
     columns: Mapping[str, Array]
     """Quantity by name, each of shape (n, ...)."""
     end: End | None = None
-    """How the drive ended, in its last chunk."""
+    """End of the drive, in the last chunk; None in other chunks."""
 
     def __getitem__(self, name: str) -> Array:
         return self.columns[name]
@@ -30,11 +30,11 @@ class Trajectory:
         return len(self.epoch_ns)
 
     def read_only(self) -> Trajectory:
-        """The same rows, for who must not change them for others."""
+        """Trajectory with the same rows, through views that cannot be written to."""
         columns = {name: read_only(column) for name, column in self.columns.items()}
         return Trajectory(read_only(self.epoch_ns), columns, self.end)
 
     def cut(self, start: int, stop: int) -> Trajectory:
-        """Rows from `start` up to `stop`."""
+        """Trajectory with the rows from `start` to `stop` - 1, without `end`."""
         columns = {name: column[start:stop] for name, column in self.columns.items()}
         return Trajectory(self.epoch_ns[start:stop], columns)

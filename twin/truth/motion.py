@@ -36,25 +36,25 @@ x_axis = inlined_law(quaternion.x_axis)
 
 
 class Wheels(NamedTuple):
-    """What the four wheels do, in the order of `twin.streams.WHEELS`. Shapes (n, 4)."""
+    """Motion of the four wheels, in the order of `twin.streams.WHEELS`. Shapes (n, 4)."""
 
     spin_radps: Array
-    """w."""
+    """Wheel speed w [rad/s]."""
     rolling_radius_m: Array
-    """R."""
+    """Rolling radius R [m]."""
     hub_mps: Array
-    """Speed of the wheel's centre along its rolling direction, v."""
+    """Speed v of the wheel centre along the rolling direction [m/s]."""
 
 
 class DrivenAxle(NamedTuple):
     """Means over the driven wheels. Shapes (n,)."""
 
     wheel_speed_mps: Array
-    """w R."""
+    """Mean of w R [m/s]."""
     hub_mps: Array
-    """Speed of the wheel centres along their rolling direction."""
+    """Mean speed v of the wheel centres along their rolling direction [m/s]."""
     axle_radps: Array
-    """w."""
+    """Mean wheel speed w [rad/s]."""
 
 
 def slip_ratio(wheel_speed_mps: Number, speed_mps: Number) -> Number:
@@ -65,13 +65,13 @@ def slip_ratio(wheel_speed_mps: Number, speed_mps: Number) -> Number:
 
 
 def slip_ratio_of(wheel_speed_mps: float, speed_mps: float) -> float:
-    """The same of two finite numbers, in a tenth of the time."""
+    """Slip s [-] of two finite numbers, as `slip_ratio`, in a tenth of the time."""
     largest = max(abs(wheel_speed_mps), abs(speed_mps), SLOWEST_MPS)
     return (wheel_speed_mps - speed_mps) / largest
 
 
 def ground_velocity(world_from_body: Array, normal_w: Array, velocity_w: Array) -> Array:
-    """Velocities v_x and v_y in the ground plane's axes.
+    """Velocities v_x (forward) and v_y (left) along the axes of the ground plane [m/s].
 
     Args:
         world_from_body: attitudes, quaternions wxyz (n, 4).
