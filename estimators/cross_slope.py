@@ -15,12 +15,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.layout import STALE_S
+from estimators.layout import FIXED, STALE_S
 from twin.streams import Setup, Streams, Table
 
 Array = NDArray[np.float64]
 
-FIXED = 4
 WEIGHTS = {4: 1.0, 5: 0.1, 1: 0.01, 0: 0.01}
 """Weight by NMEA quality; the paper names the inputs of its W and not its form."""
 FULL_SATELLITES = 12.0

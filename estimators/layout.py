@@ -46,6 +46,8 @@ SILENT_S = 2.0
 """After so long without a sample of any sensor the unit may have been off: its turn-on bias is new
 [s]."""
 GRAVITY_MPS2 = 9.81
+FIXED = 4.0
+"""Quality of a fixed position of GNSS; others err by decimetres for a minute."""
 HISTORY = 64
 """IMU samples remembered, 1.3 s at 50 Hz, so that a late GNSS sample meets the turning of its own
 epoch."""

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from estimators.bounds.motion import DRIVING_MPS, ORDER, autoregression, drives_at
 from estimators.bounds.noises import EXACT, hidden_at, period_s
+from estimators.layout import FIXED
 from estimators.riccati import System, measured, predicted
 from twin.streams import GnssSetup, ImuSetup, Setup, Streams, Table
 
@@ -34,8 +35,6 @@ WHITE_SHARE, LASTING_SHARE, LASTING_S = 0.52, 0.85, 60.0
 6.5 mm of 7.6 mm, as a receiver of the UM980's class has near its base."""
 GYRO_BIAS_PSD = 1e-12
 """Of a bias that is all but constant [rad2/s3]."""
-FIXED = 4.0
-"""Quality of a fixed position."""
 GAP_S = 1.0
 """After a longer gap heading and place are new."""
 FREE_RAD2, FREE_M2, FREE_M2PS2 = 10.0, 1e4, 1.0

@@ -6,6 +6,7 @@ import math
 
 from estimators.innovations import note
 from estimators.kalman import Array, Record
+from estimators.layout import FIXED
 from estimators.sideslip_ekf import rows
 from estimators.sideslip_ekf.layout import (
     EAST,
@@ -19,8 +20,6 @@ from estimators.sideslip_ekf.layout import (
 from estimators.sideslip_ekf.update import restart, take
 from twin.compute.compiled import array_law
 
-FIXED = 4.0
-"""Quality of a fixed position; others err by decimetres for a minute."""
 GATE = 3.0
 SPAN_S, MOST_SPAN_S = 1.0, 3.0
 """Positions and velocities are compared over so long, and not over more [s]."""

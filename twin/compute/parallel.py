@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from multiprocessing import resource_tracker
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import joblib
 
 Result: TypeAlias = Any
 """Result of a call, or a call made by `joblib.delayed`; joblib has no types for either."""
+Case = TypeVar("Case")
+Found = TypeVar("Found")
 Progress = Callable[[int, int], None]
 """Progress callback: calls done, calls in all."""
 
@@ -49,6 +51,23 @@ def many(calls: Iterable[Result], jobs: int = 1) -> list[Result]:
         parallel.report = lambda done: progress(done, len(calls))
         found: list[Result] = parallel(calls)
     return found
+
+
+def over_seeds(
+    call: Callable[[Case, int], Found], cases: Mapping[str, Case], seeds: int, jobs: int = 1
+) -> dict[str, list[Found]]:
+    """Call a function with every case and each of the first seeds; its results by case.
+
+    Args:
+        call: function of a case and a seed.
+        cases: cases by name.
+        seeds: number of seeds: 0, 1, ...
+        jobs: processes; -1 for one a core.
+    """
+    done = iter(
+        many((joblib.delayed(call)(c, s) for c in cases.values() for s in range(seeds)), jobs)
+    )
+    return {name: [next(done) for _ in range(seeds)] for name in cases}
 
 
 def _start(parallel: Counted) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 from joblib import delayed
 
 from twin.compute.mean import mean
-from twin.compute.parallel import many
+from twin.compute.parallel import many, over_seeds
 from twin.io.result_rows import Rows, row
 from twin.pipeline.named import load
 from twin.reproduce import cross_slope
@@ -113,7 +113,7 @@ def bound_rows(group: str, cases: dict[str, Scenario], trials: int, jobs: int) -
     """Totals over their bound, case by case, and the shares within 2 sd of all of them."""
     out: Rows = []
     pooled: list[Drive] = []
-    for case, drives in _driven(cases, trials, jobs).items():
+    for case, drives in over_seeds(drive, cases, trials, jobs).items():
         pooled += drives
         over = _median(abs(d.error_m) / d.bound_m for d in drives) / cross_slope.GAUSSIAN_MEDIAN
         out += [
@@ -143,7 +143,7 @@ def camera_rows(trials: int, jobs: int) -> Rows:
     cases = {f"ploughing under a camera, {slope} degrees": load("scenario", f"slope-{slope}-plough")
              for slope in (5, 10)}  # fmt: skip
     out: Rows = []
-    for case, drives in _driven(cases, trials, jobs).items():
+    for case, drives in over_seeds(drive, cases, trials, jobs).items():
         relative = [abs(d.error_m / d.total_m) for d in drives]
         out += [
             row(case, "true total", _median(abs(d.total_m) for d in drives), "m"),
@@ -153,15 +153,6 @@ def camera_rows(trials: int, jobs: int) -> Rows:
             *_honest(case, drives),
         ]
     return out
-
-
-def _driven(cases: dict[str, Scenario], trials: int, jobs: int) -> dict[str, list[Drive]]:
-    tasks = [(case, seed) for case in cases for seed in range(trials)]
-    done = many((delayed(drive)(cases[case], seed) for case, seed in tasks), jobs)
-    return {
-        case: [found for found, (of, _) in zip(done, tasks, strict=True) if of == case]
-        for case in cases
-    }
 
 
 def _honest(case: str, drives: Sequence[Drive]) -> Rows:

@@ -11,12 +11,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from joblib import delayed
 from numpy.typing import NDArray
 
 from estimators.bounds import bound
 from scenarios.ima_pkf import Trial
-from twin.compute.parallel import many
+from twin.compute.parallel import over_seeds
 from twin.io.result_rows import Rows, row
 from twin.pipeline.named import load
 from twin.pipeline.run import run
@@ -128,12 +127,7 @@ def _masked(scenario: Scenario, mask_s: float) -> Scenario:
 def field_rows(trials: int, jobs: int) -> Rows:
     """Ploughing with GNSS, IMU and encoders; the bias of each run is given apart."""
     cases = field_cases()
-    tasks = [(name, seed) for name in cases for seed in range(trials)]
-    done = many((delayed(drive)(cases[name], seed) for name, seed in tasks), jobs)
-    found = {
-        name: [each for each, (of, _) in zip(done, tasks, strict=True) if of == name]
-        for name in cases
-    }
+    found = over_seeds(drive, cases, trials, jobs)
     out: Rows = []
     for name, case in cases.items():
         out += _case_rows(name, case, found)
